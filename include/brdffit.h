@@ -1,0 +1,329 @@
+/*
+ * brdffit: certified globally optimal fits of analytic BRDF models.
+ *
+ * Model (Yu, Seo and Lee, "Global Optimization for Estimating a BRDF with
+ * Multiple Specular Lobes", eq. 1-4). Sample i, channel k, P lobes:
+ *
+ *     I_ik  ~  a_i x_k + sum_p y_kp g_i(sigma_p),      x_k >= 0, y_kp >= 0
+ *
+ *     a = (n.l)/pi                                  diffuse
+ *     g(sigma) = b lambda(s) exp(-c s), s = 1/sigma^2     specular
+ *     Beckmann: b = G / (pi (n.v) cos^4 alpha), c = tan^2 alpha, lambda = s
+ *
+ * I is radiance under unit irradiance at normal incidence, that is
+ * f_r (n.l); alpha is the angle between the normal n and the half vector of
+ * light l and view v. Every channel shares the roughness sigma_p of a lobe.
+ * brdffit finds the sigma, x, y that minimise
+ *
+ *     E^2 = sum_ik w_i (I_ik - model_ik)^2 / scale_k^2
+ *
+ * and proves a lower bound on the smallest E^2 that any choice could reach.
+ *
+ * The library never allocates, prints, reads a clock or keeps global state:
+ * the caller owns all memory and every call is thread-safe as long as two
+ * threads do not share a workspace. SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_H
+#define BRDFFIT_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(_WIN32) || !defined(__GNUC__)
+#define BRDFFIT_API
+#else
+#define BRDFFIT_API __attribute__((visibility("default")))
+#endif
+
+#define BRDFFIT_VERSION_MAJOR 0
+#define BRDFFIT_VERSION_MINOR 1
+#define BRDFFIT_VERSION_PATCH 0
+#define BRDFFIT_VERSION_STRING "0.1.0"
+
+/* Most lobes a fit can have. */
+#define BRDFFIT_MAX_LOBES 2
+
+/* "Does not apply" in brdffit_error. */
+#define BRDFFIT_NONE ((size_t)-1)
+
+/* Version of the library that is linked, as "major.minor.patch". */
+BRDFFIT_API const char *brdffit_version(void);
+
+/* ---- Did the call fail ------------------------------------------------- */
+
+typedef enum brdffit_status {
+    BRDFFIT_OK = 0,
+    BRDFFIT_ERR_ARGUMENT,    /* a NULL pointer, or a struct of unknown size */
+    BRDFFIT_ERR_OPTION,      /* an option out of its range */
+    BRDFFIT_ERR_UNSUPPORTED, /* a combination that this build cannot fit */
+    BRDFFIT_ERR_WORKSPACE,   /* the workspace is too small */
+    BRDFFIT_ERR_VALUE,       /* NaN, infinite or out-of-range sample data */
+    BRDFFIT_ERR_NO_SAMPLES,  /* nothing is left to fit */
+    BRDFFIT_ERR_MEMORY,      /* allocation failed (brdffit_fit_new, file readers) */
+    BRDFFIT_ERR_OPEN,        /* a file cannot be opened (brdffit_io.h) */
+    BRDFFIT_ERR_READ,        /* reading failed, or a damaged .gz stream */
+    BRDFFIT_ERR_FORMAT,      /* the file is not what its name or header says */
+    BRDFFIT_STATUS_COUNT
+} brdffit_status;
+
+/* Where and why a call failed. `message` is a constant string (never NULL
+ * after a failure, never to be freed). Fields that do not apply hold
+ * BRDFFIT_NONE, and `value` holds 0. */
+typedef struct brdffit_error {
+    brdffit_status status;
+    const char *message;
+    size_t sample;  /* index of the sample, from 0 */
+    size_t channel; /* index of the channel, from 0 */
+    size_t line;    /* line of the text file, from 1 */
+    size_t column;  /* column (field) of that line, from 1 */
+    double value;   /* the offending value */
+} brdffit_error;
+
+/* Constant description of a status, e.g. "no samples are left to fit". */
+BRDFFIT_API const char *brdffit_status_string(brdffit_status status);
+
+/* ---- Samples ----------------------------------------------------------- */
+
+typedef enum brdffit_form {
+    BRDFFIT_FORM_DIRECTIONS = 0, /* light, view, optionally normal */
+    BRDFFIT_FORM_ANGLES,         /* cosines and tan^2 alpha: tables in half/difference angles */
+    BRDFFIT_FORM_COEFFICIENTS    /* a, b, c of the model, already computed */
+} brdffit_form;
+
+typedef enum brdffit_quantity {
+    BRDFFIT_QUANTITY_BRDF = 0, /* f_r in 1/sr; multiplied by n.l before the fit */
+    BRDFFIT_QUANTITY_RADIANCE  /* f_r (n.l): what the model predicts, fitted as it is */
+} brdffit_quantity;
+
+/*
+ * Measured samples; all arrays belong to the caller and are only read.
+ * Call brdffit_samples_init() first: it zeroes the rest and sets struct_size.
+ *
+ * DIRECTIONS:   light, view: count x 3, row-major, towards the light and
+ *               towards the viewer; any finite length but zero (they are
+ *               normalised). normal: count x 3, or NULL for +z.
+ * ANGLES:       cos_light = n.l and cos_view = n.v in [-1, 1],
+ *               tan2_half = tan^2 alpha >= 0, cos_difference = v.h in (0, 1].
+ *               Samples with equal tan2_half (to the bit) merge exactly.
+ * COEFFICIENTS: a, b, c >= 0. The quantity must be RADIANCE.
+ */
+typedef struct brdffit_samples {
+    size_t struct_size;
+    size_t count;    /* N samples */
+    size_t channels; /* K >= 1 */
+    brdffit_form form;
+    brdffit_quantity quantity;
+    const double *light;
+    const double *view;
+    const double *normal;
+    const double *cos_light;
+    const double *cos_view;
+    const double *tan2_half;
+    const double *cos_difference;
+    const double *a;
+    const double *b;
+    const double *c;
+    const double *values;  /* count x channels, row-major; finite, may be negative (noise) */
+    const double *weights; /* count, finite and >= 0, multiplies squared residuals; NULL: all 1.
+                              A sample of weight 0 is skipped and its values are not looked at. */
+} brdffit_samples;
+
+BRDFFIT_API void brdffit_samples_init(brdffit_samples *samples);
+
+/* Why samples were not used; each sample is counted under the first that holds. */
+typedef enum brdffit_skip {
+    BRDFFIT_SKIP_ZERO_WEIGHT = 0,
+    BRDFFIT_SKIP_LIGHT_BELOW_HORIZON, /* n.l <= 0 */
+    BRDFFIT_SKIP_VIEW_BELOW_HORIZON,  /* n.v <= 0 */
+    BRDFFIT_SKIP_INCIDENCE,           /* light further from the normal than max_incidence */
+    BRDFFIT_SKIP_COUNT
+} brdffit_skip;
+
+/* Constant snake_case name: "zero_weight", "light_below_horizon", ... */
+BRDFFIT_API const char *brdffit_skip_string(brdffit_skip reason);
+
+/* ---- Options ----------------------------------------------------------- */
+
+typedef enum brdffit_distribution {
+    BRDFFIT_BECKMANN = 0, /* Cook-Torrance with Beckmann, as the paper writes it */
+    BRDFFIT_GGX,          /* the same geometry with GGX: g = b s (1 + c s)^-2, theory 4.4 */
+    BRDFFIT_DISTRIBUTION_COUNT
+} brdffit_distribution;
+
+/* Constant name: "beckmann", "ggx". */
+BRDFFIT_API const char *brdffit_distribution_string(brdffit_distribution distribution);
+
+typedef enum brdffit_norm {
+    BRDFFIT_NORM_L2 = 0, /* sum of squares */
+    BRDFFIT_NORM_COUNT
+} brdffit_norm;
+
+BRDFFIT_API const char *brdffit_norm_string(brdffit_norm norm);
+
+typedef enum brdffit_normalise {
+    BRDFFIT_NORMALISE_MAX = 0, /* divide each channel by its largest used radiance (the paper's) */
+    BRDFFIT_NORMALISE_NONE     /* minimise in the data's own units */
+} brdffit_normalise;
+
+/* Phases, in order, as seen by the progress callback. */
+typedef enum brdffit_phase {
+    BRDFFIT_PHASE_REDUCED = 0, /* samples are reduced to moments; the search starts */
+    BRDFFIT_PHASE_SEARCH       /* a step of the search is done */
+} brdffit_phase;
+
+typedef struct brdffit_progress {
+    brdffit_phase phase;
+    size_t boxes;       /* bounded so far */
+    double e2;          /* best objective so far */
+    double lower_bound; /* proven so far */
+} brdffit_progress;
+
+/* Return non-zero to stop the search (the result is still valid). Called in
+ * the thread of the fit: once after the reduction, then every 256 boxes. */
+typedef int (*brdffit_progress_fn)(void *user, const brdffit_progress *progress);
+
+typedef struct brdffit_options {
+    size_t struct_size;
+    int lobes; /* P: 1 or 2. Default 1 */
+    brdffit_distribution distribution;
+    brdffit_norm norm;
+    brdffit_normalise normalise;
+    double sigma_min;        /* > 0, >= 1e-12. Default 1e-12 */
+    double sigma_max;        /* >= sigma_min, <= 1e3. Default 6 */
+    double relative_gap;     /* stop when E^2 <= (1 + gap) lower bound; > 0. Default 1e-3 */
+    double absolute_gap;     /* or when E^2 - lower bound <= this fraction of the data's sum of
+                                squares; >= 0. Default 1e-12 */
+    double sigma_resolution; /* boxes narrower than this in every sigma are not split; >= 0.
+                                Default 0: off */
+    size_t box_budget;       /* most boxes to bound; >= 1. Default 1000000. Sizes the workspace */
+    double max_incidence;    /* degrees, (0, 90]; 90 or more uses all above the horizon. Default 60 */
+    brdffit_progress_fn progress; /* or NULL */
+    void *progress_user;
+} brdffit_options;
+
+/* Set struct_size and every default. */
+BRDFFIT_API void brdffit_options_init(brdffit_options *options);
+
+/* ---- Result ------------------------------------------------------------ */
+
+/* Why the search stopped. */
+typedef enum brdffit_stop {
+    BRDFFIT_STOP_RELATIVE_GAP = 0, /* proven to relative_gap */
+    BRDFFIT_STOP_ABSOLUTE_GAP,     /* proven to absolute_gap: E^2 is at rounding level */
+    BRDFFIT_STOP_RESOLUTION,       /* every box left is narrower than sigma_resolution */
+    BRDFFIT_STOP_ROUNDING,         /* boxes cannot be split further in floating point */
+    BRDFFIT_STOP_BUDGET,           /* box_budget is used up */
+    BRDFFIT_STOP_MEMORY,           /* the workspace's node table is full */
+    BRDFFIT_STOP_CANCELLED,        /* the progress callback said so */
+    BRDFFIT_STOP_COUNT
+} brdffit_stop;
+
+/* Constant snake_case name: "relative_gap", ... */
+BRDFFIT_API const char *brdffit_stop_string(brdffit_stop stop);
+
+/* A model that can be evaluated: pointers belong to whoever filled it in. */
+typedef struct brdffit_model {
+    brdffit_distribution distribution;
+    int lobes;       /* P */
+    size_t channels; /* K */
+    double sigma[BRDFFIT_MAX_LOBES]; /* roughness, ascending */
+    const double *x; /* K diffuse coefficients, in the data's units */
+    const double *y; /* K x P row-major specular coefficients, in the data's units;
+                        y multiplies lambda(s) exp(-c s) b: the paper's scaling */
+} brdffit_model;
+
+/* Bits of brdffit_lobe.warnings. */
+#define BRDFFIT_WARN_UNRESOLVED 1u /* fewer than 3 effective samples: the directions do not resolve it */
+#define BRDFFIT_WARN_FLAT 2u       /* the data cannot tell sigma inside [sigma_low, sigma_high] */
+#define BRDFFIT_WARN_UNUSED 4u     /* its coefficient is zero in every channel */
+#define BRDFFIT_WARN_AT_LIMIT 8u   /* sigma sits on sigma_min or sigma_max: widen the range */
+
+typedef struct brdffit_lobe {
+    double sigma;             /* of the optimum; the largest where E^2 is flat */
+    double sigma_low;         /* E^2 is the optimum's to rounding on [sigma_low, sigma_high]; */
+    double sigma_high;        /* both equal sigma when the data do identify it */
+    double weight;            /* w_p: this lobe's share of the sum of all y; 0 if all are zero */
+    double effective_samples; /* N_eff = (sum g^2)^2 / sum g^4, at most the samples used */
+    unsigned warnings;        /* BRDFFIT_WARN_* */
+} brdffit_lobe;
+
+/*
+ * Result of a fit. model.x, model.y, channel_scale and rms point into the
+ * workspace (or into the block of brdffit_fit_new) and live as long as it.
+ * "Units that were minimised" are the data's divided by channel_scale.
+ */
+typedef struct brdffit_result {
+    brdffit_model model;
+    brdffit_lobe lobe[BRDFFIT_MAX_LOBES];
+    const double *channel_scale; /* K divisors, > 0 */
+    const double *rms;           /* K root mean square (weighted) radiance residuals, data's units */
+    double rms_total;            /* sqrt(E^2 / (K sum w)), units that were minimised */
+    double e2;                   /* E^2 at the optimum, evaluated on the samples themselves */
+    double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
+    double gap;                  /* e2 - lower_bound, >= 0 */
+    double sum_of_squares;       /* E^2 of the zero model */
+    double kkt_residual;         /* of the coefficients given sigma, relative to the data's norm */
+    brdffit_stop stop;
+    int certified;               /* 1 when stop is a gap; 0: incumbent and bound are valid, gap is open */
+    size_t boxes;                /* bounded by the search */
+    size_t nodes;                /* one-dimensional evaluations */
+    size_t distinct_c;           /* samples were merged into this many distinct c */
+    size_t samples_used;
+    size_t samples_skipped[BRDFFIT_SKIP_COUNT];
+} brdffit_result;
+
+/*
+ * Bytes of workspace that brdffit_fit() needs for `count` samples of
+ * `channels` channels. 0 when the options are invalid or the size overflows.
+ * Grows linearly with count and with min(box_budget, its internal caps);
+ * pages that a fit does not need are never touched.
+ */
+BRDFFIT_API size_t brdffit_workspace_size(size_t count, size_t channels,
+                                          const brdffit_options *options);
+
+/*
+ * Fit. `options` may be NULL (defaults), `error` may be NULL. `workspace` may
+ * have any alignment. On failure returns the code, fills *error and leaves
+ * *result untouched. An early stop of the search is not a failure: see
+ * result->stop. Same input, same bits, on every platform.
+ */
+BRDFFIT_API brdffit_status brdffit_fit(const brdffit_samples *samples, const brdffit_options *options,
+                                       void *workspace, size_t workspace_size,
+                                       brdffit_result *result, brdffit_error *error);
+
+/*
+ * What brdffit_fit() would use: validates like it, counts used samples and those skipped under each reason.
+ * `used` and `skipped` may be NULL. Having no samples left is BRDFFIT_ERR_NO_SAMPLES here too, with the counts
+ * filled in.
+ */
+BRDFFIT_API brdffit_status brdffit_inspect(const brdffit_samples *samples, const brdffit_options *options,
+                                           size_t *used, size_t skipped[BRDFFIT_SKIP_COUNT],
+                                           brdffit_error *error);
+
+/*
+ * Convenience with malloc: *result is allocated together with its workspace
+ * and is released by brdffit_fit_free() (NULL is fine). The only functions
+ * of the core that allocate.
+ */
+BRDFFIT_API brdffit_status brdffit_fit_new(const brdffit_samples *samples, const brdffit_options *options,
+                                           brdffit_result **result, brdffit_error *error);
+BRDFFIT_API void brdffit_fit_free(brdffit_result *result);
+
+/*
+ * Evaluate a model at the directions of `at` (values and weights are not
+ * read; at->channels is ignored): out is at->count x model->channels,
+ * row-major, f_r or radiance as at->quantity says. Directions on or below
+ * the horizon give 0. NaN or infinite input fails with BRDFFIT_ERR_VALUE and
+ * nothing useful in out. GGX and Beckmann share geometry, so COEFFICIENTS
+ * work for both.
+ */
+BRDFFIT_API brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *at,
+                                        double *out, brdffit_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,113 @@
+/*
+ * brdffit_io: measured reflectance from files, ready for brdffit_fit().
+ * Link libbrdffit_io (needs stdio and zlib; the core needs neither).
+ * Thread-safe: no globals; the locale of the process does not matter.
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_IO_H
+#define BRDFFIT_IO_H
+
+#include "brdffit.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Why a file's entries did not even become samples. */
+typedef enum brdffit_io_drop {
+    BRDFFIT_IO_DROP_MASKED = 0, /* MERL: negative, that is, not measured */
+    BRDFFIT_IO_DROP_ABSENT,     /* CSV: an empty field among the channels */
+    BRDFFIT_IO_DROP_BELOW_HORIZON, /* MERL cell whose angles leave the hemisphere, measured or not */
+    BRDFFIT_IO_DROP_COUNT
+} brdffit_io_drop;
+
+/* Constant snake_case name: "masked", "absent", "cell_below_horizon". */
+BRDFFIT_API const char *brdffit_io_drop_string(brdffit_io_drop reason);
+
+typedef enum brdffit_io_format {
+    BRDFFIT_IO_FORMAT_AUTO = 0, /* by content: gzip magic is looked through; text is a table */
+    BRDFFIT_IO_FORMAT_CSV,      /* comma, semicolon or tab separated, one header line */
+    BRDFFIT_IO_FORMAT_MERL      /* .binary */
+} brdffit_io_format;
+
+typedef enum brdffit_io_merl_bins {
+    BRDFFIT_IO_MERL_EDGE = 0, /* entry i stands for its bin's lower edge: theta_h = 90 (i/n)^2 degrees */
+    BRDFFIT_IO_MERL_CENTRE    /* entry i stands for its bin's centre:    theta_h = 90 ((i+1/2)/n)^2 */
+} brdffit_io_merl_bins;
+
+typedef enum brdffit_io_merl_sampling {
+    BRDFFIT_IO_MERL_TABLE = 0,  /* every valid cell */
+    BRDFFIT_IO_MERL_PROTOCOL84, /* the paper's 84 directions, nearest-entry look-up */
+    BRDFFIT_IO_MERL_DIRECTIONS  /* the directions of `directions`, nearest-entry look-up */
+} brdffit_io_merl_sampling;
+
+/* NULL stands for the defaults wherever this is taken. */
+typedef struct brdffit_io_options {
+    size_t struct_size;
+    brdffit_io_format format;
+    int quantity_set;            /* 0: f_r for directions and tables, radiance for a,b,c */
+    brdffit_quantity quantity;   /* used when quantity_set */
+    brdffit_io_merl_bins merl_bins;
+    brdffit_io_merl_sampling merl_sampling;
+    const brdffit_samples *directions; /* form DIRECTIONS, used with MERL_DIRECTIONS */
+} brdffit_io_options;
+
+BRDFFIT_API void brdffit_io_options_init(brdffit_io_options *options);
+
+/*
+ * A file in memory. Owns everything that it points to, samples included.
+ * Release with brdffit_io_free().
+ */
+typedef struct brdffit_table {
+    brdffit_samples samples;     /* ready for brdffit_fit() */
+    char **channel_names;        /* samples.channels strings */
+    size_t *lines;               /* per sample, the line of the text file; NULL for MERL */
+    brdffit_io_format format;    /* what the file turned out to be */
+    int compressed;              /* 1 for gzip */
+    size_t dropped[BRDFFIT_IO_DROP_COUNT];
+    size_t negative;             /* samples kept that have a negative value (CSV only) */
+    size_t dims[3];              /* MERL: theta_h, theta_d, phi_d bins; else 0 */
+    size_t rows;                 /* entries in the file: CSV data lines, or MERL cells */
+    brdffit_io_merl_bins merl_bins;
+    brdffit_io_merl_sampling merl_sampling;
+} brdffit_table;
+
+/*
+ * Read `path` ("-": standard input). On failure returns the code, fills
+ * *error (may be NULL) with line, column, sample, channel and value where
+ * they apply, and *table holds NULL.
+ *
+ * CSV/TSV: '#' lines and blank lines are skipped; the first other line is
+ * the header. Directions are theta_i,phi_i,theta_o,phi_o in degrees (phi_i,
+ * phi_o may be absent only together, and then mean 0 and 180: in-plane data
+ * with the mirror direction at theta_o = theta_i), or lx,ly,lz,vx,vy,vz
+ * (optionally nx,ny,nz), or a,b,c. A column `weight` (or `w`) holds weights.
+ * All other columns are channels. A UTF-8 byte-order mark, CRLF, quoted
+ * headers and blanks around fields are fine. NaN, infinities and text are
+ * errors; an empty channel field drops the sample as absent. Each line has
+ * as many fields as the header.
+ *
+ * MERL: three little-endian int32 n_h, n_d, n_p, then three planes of
+ * n_h n_d n_p float64, index p + n_p (d + n_d h), scaled by 1/1500,
+ * 1.15/1500, 1.66/1500. n_p covers [0, 180) degrees. Negative entries in
+ * any channel mask the cell. NaN and infinities are errors. The size of the
+ * file must be exactly what its header says.
+ */
+BRDFFIT_API brdffit_status brdffit_io_read(const char *path, const brdffit_io_options *options,
+                                           brdffit_table **table, brdffit_error *error);
+
+/* The same from memory. Data may be gzip. */
+BRDFFIT_API brdffit_status brdffit_io_read_memory(const void *data, size_t size,
+                                                  const brdffit_io_options *options,
+                                                  brdffit_table **table, brdffit_error *error);
+
+BRDFFIT_API void brdffit_io_free(brdffit_table *table);
+
+/* The paper's protocol: 84 x 3 light and 84 x 3 view unit vectors, normal +z:
+ * for views 0, 20, 40, 60 degrees, lights 0..60 by 10 at azimuths 0, 90, 180. */
+BRDFFIT_API void brdffit_io_protocol84(double light[84 * 3], double view[84 * 3]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,37 @@
+/*
+ * What an engine is: it bounds boxes and tries points; search.c does the rest. Layer 3.
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_BOUND_H
+#define BRDFFIT_BOUND_H
+
+#include "axis.h"
+#include "heap.h"
+
+/* A point of the domain: theta of each lobe. */
+struct point {
+    double theta[2];
+};
+
+struct engine {
+    void *self;
+    int lobes;
+
+    /*
+     * Set box->bound to a proven lower bound of the objective for every point of box->interval, and box->split
+     * to the lobe whose interval had better be split. Returns the smallest (approximate) objective met on the
+     * way and its point in *met, or infinity.
+     */
+    double (*bound)(void *self, struct box *box, struct point *met);
+
+    /* Improve a point by descent inside the domain; returns the exact objective of what *point becomes. */
+    double (*try_point)(void *self, struct point *point);
+
+    /* Width of an interval in sigma, for the resolution rule. */
+    double (*width)(void *self, uint32_t interval);
+
+    /* Rounding of `met`: smaller differences mean nothing. */
+    double noise;
+};
+
+#endif

@@ -1,0 +1,36 @@
+/*
+ * Engine `moment` (theory section 4): certified second-order bounds from convexity in moment space. Layer 3.
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_BOUND_MOMENT_H
+#define BRDFFIT_BOUND_MOMENT_H
+
+#include "bound.h"
+#include "interval.h"
+
+struct bound_moment {
+    const struct axis *axis;
+    struct moments moments;
+    struct intervals intervals;
+    double theta_limit; /* points beyond it have no finite y: they are bounded but never met */
+};
+
+void brdffit_bound_moment_layout(struct bound_moment *engine, struct arena *arena, size_t count,
+                                 size_t channels, uint32_t node_capacity, int lobes);
+
+void brdffit_bound_moment_start(struct bound_moment *engine, const struct reduced *data,
+                                const struct family *family, const struct axis *axis, int lobes,
+                                double theta_limit);
+
+/* Lower bound of E^2 from an upper bound of J; never below 0, which is always true. */
+double brdffit_bound_moment_objective(const struct bound_moment *engine, double gain);
+
+/* Offer a corner of gain J to *best and *met. J is raised by epsilon: the true objective is not below T - J. */
+void brdffit_bound_moment_meet(const struct bound_moment *engine, double gain, const double theta[2],
+                               double *best, struct point *met);
+
+/* bound() of struct engine for one and for two lobes; self is a struct bound_moment. */
+double brdffit_bound_moment_one(void *self, struct box *box, struct point *met);
+double brdffit_bound_moment_two(void *self, struct box *box, struct point *met);
+
+#endif

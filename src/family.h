@@ -1,0 +1,53 @@
+/*
+ * Families of lobes (theory 4.4). A family is g(s) = b factor(s) phi(u(s), c') with c' = c - c_min >= 0, where
+ * phi(0, c') = 1, phi decreases in u and in c', and is log-convex in u, so that every moment of phi is a
+ * decreasing function whose range on an interval is its two end values. The scalar factor only rescales y.
+ *
+ *   exponential: phi = exp(-c' u), u = s, factor = lambda(s) exp(-c_min s)
+ *   GGX:         phi = (1 + c' u)^-2, u = s / (1 + c_min s), factor = s (1 + c_min s)^-2
+ *                (dividing (1 + c s)^-2 by its value at c_min gives the same function of c' and u)
+ *
+ * The search runs over theta = ln s; derivatives of phi are with respect to u:
+ * ell = d ln phi / du, slope = d ell / du. Layer 2. SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_FAMILY_H
+#define BRDFFIT_FAMILY_H
+
+#include <stddef.h>
+
+#include "brdffit.h"
+
+struct family {
+    int exponential; /* the fast case: ell = -c' whatever u is, and slope = 0 */
+
+    /* u and its first and second derivative by theta. */
+    void (*variable)(double c_min, double theta, double u[3]);
+
+    /* phi(u, c_j) for n (a multiple of LANES) values. */
+    void (*shape)(const double *c, size_t n, double u, double *phi);
+
+    /* ell and slope at one c. */
+    void (*slope)(double c, double u, double *ell, double *slope);
+
+    /* lambda(s) phi(s, c_min): what y is divided by. 0 when it underflows. */
+    double (*factor)(double c_min, double s);
+
+    /*
+     * Smallest s beyond which phi(u(s), c_j) sqrt(bb_j / bb_0) is within exp(-TAIL_EXPONENT) of its limit for
+     * every j > 0, so that nothing changes to rounding. 0 when nothing ever changes (m = 1).
+     */
+    double (*tail)(const double *c, const double *bb, size_t m, double c_min);
+
+    /* Largest s whose factor is a normal number. */
+    double (*largest_s)(double c_min);
+
+    /* g / b at one (s, c): lambda(s) phi(s, c), for evaluation. */
+    double (*evaluate)(double s, double c);
+};
+
+extern const struct family brdffit_family_exponential;
+extern const struct family brdffit_family_ggx;
+
+const struct family *brdffit_family_of(brdffit_distribution distribution);
+
+#endif

@@ -1,0 +1,171 @@
+/*
+ * The public fit: validate, reduce, search, report. Layer 5. SPDX-License-Identifier: MIT
+ */
+#include "fit.h"
+
+#include <math.h>
+
+#include "geometry.h"
+#include "kernel_exp.h"
+#include "kernel_log.h"
+#include "tolerance.h"
+
+/* Domain of theta = ln s: the options' range, cut where the lobe no longer changes (theory 4.1). */
+static void choose_domain(struct fit *f, const brdffit_options *o)
+{
+    const struct reduced *data = &f->data;
+    double tail = f->family->tail(data->c, data->bb, data->distinct, data->c_min);
+    double limit = f->family->largest_s(data->c_min);
+
+    f->theta_low = -2.0 * kernel_log(o->sigma_max);
+    f->theta_tail = -2.0 * kernel_log(o->sigma_min);
+    f->theta_high = f->theta_tail;
+    if (!(tail > 0.0)) {
+        f->theta_high = f->theta_low;
+    } else if (isfinite(tail)) {
+        f->theta_high = fmax(f->theta_low, fmin(f->theta_tail, kernel_log(tail)));
+    }
+    f->varpro.theta_low = f->theta_low;
+    f->varpro.theta_high = f->theta_high;
+    f->varpro.theta_limit = isfinite(limit) ? kernel_log(limit) : INFINITY;
+}
+
+static double try_point(void *self, struct point *point)
+{
+    struct fit *f = self;
+
+    return brdffit_varpro_descend(&f->varpro, point);
+}
+
+static double width(void *self, uint32_t interval)
+{
+    const struct fit *f = self;
+    const struct axis_interval *i = &f->axis.interval[interval];
+
+    return kernel_exp(-0.5 * f->axis.coordinate[i->low]) - kernel_exp(-0.5 * f->axis.coordinate[i->high]);
+}
+
+static double bound_one(void *self, struct box *box, struct point *met)
+{
+    return brdffit_bound_moment_one(&((struct fit *)self)->moment, box, met);
+}
+
+static double bound_two(void *self, struct box *box, struct point *met)
+{
+    return brdffit_bound_moment_two(&((struct fit *)self)->moment, box, met);
+}
+
+/* First partition: as fine as the budget allows, so that even a budget of one box gives a bound of the whole. */
+static uint32_t first_intervals(const brdffit_options *o)
+{
+    uint32_t first = FIRST_INTERVALS;
+
+    while (first > 1 && (o->lobes > 1 ? (size_t)first * (first + 1) / 2 : first) > o->box_budget) {
+        first /= 2;
+    }
+    return first;
+}
+
+/* Objective units to the caller's: weights and, without normalisation, one power of two for all channels. */
+static double objective_scale(const struct reduced *data, const brdffit_options *o)
+{
+    double value = o->normalise == BRDFFIT_NORMALISE_NONE ? data->channel_scale[0] : 1.0;
+
+    return data->scale_w * value * value;
+}
+
+static int report_reduced(const struct fit *f, const brdffit_options *o)
+{
+    brdffit_progress p;
+
+    if (!o->progress) {
+        return 0;
+    }
+    p.phase = BRDFFIT_PHASE_REDUCED;
+    p.boxes = 0;
+    p.e2 = f->data.total * objective_scale(&f->data, o);
+    p.lower_bound = 0.0;
+    return o->progress(o->progress_user, &p) != 0;
+}
+
+static void search(struct fit *f, const brdffit_options *o, struct search_result *found)
+{
+    struct engine engine;
+    struct search_rules rules;
+
+    rules.cancelled = report_reduced(f, o);
+    choose_domain(f, o);
+    brdffit_axis_start(&f->axis, f->theta_low, f->theta_high, first_intervals(o));
+    brdffit_bound_moment_start(&f->moment, &f->data, f->family, &f->axis, o->lobes, f->varpro.theta_limit);
+    engine.self = f;
+    engine.lobes = o->lobes;
+    engine.bound = o->lobes > 1 ? bound_two : bound_one;
+    engine.try_point = try_point;
+    engine.width = width;
+    engine.noise = 2.0 * f->moment.moments.slack;
+    rules.relative_gap = o->relative_gap;
+    rules.absolute_gap = o->absolute_gap * f->data.total;
+    rules.sigma_resolution = o->sigma_resolution;
+    rules.box_budget = o->box_budget;
+    rules.progress = o->progress;
+    rules.progress_user = o->progress_user;
+    rules.progress_scale = objective_scale(&f->data, o);
+    brdffit_search(&f->axis, &f->heap, &engine, &rules, found);
+}
+
+static brdffit_status check_call(const brdffit_samples *samples, const brdffit_options *options,
+                                 const void *workspace, size_t size, const brdffit_result *result,
+                                 brdffit_error *error)
+{
+    brdffit_status status = brdffit_options_check(options, error);
+    size_t needed;
+
+    if (status == BRDFFIT_OK) {
+        status = brdffit_geometry_check(samples, 1, error);
+    }
+    if (status != BRDFFIT_OK) {
+        return status;
+    }
+    if (!workspace || !result) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "workspace or result is NULL");
+    }
+    needed = brdffit_workspace_size(samples->count, samples->channels, options);
+    if (needed == 0) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "more samples or channels than can be addressed");
+    }
+    if (size < needed) {
+        return brdffit_fail(error, BRDFFIT_ERR_WORKSPACE, "the workspace is smaller than brdffit_workspace_size()");
+    }
+    return BRDFFIT_OK;
+}
+
+brdffit_status brdffit_fit(const brdffit_samples *samples, const brdffit_options *options, void *workspace,
+                           size_t workspace_size, brdffit_result *result, brdffit_error *error)
+{
+    brdffit_options defaults;
+    brdffit_status status;
+    struct arena arena;
+    struct fit fit;
+    struct search_result found;
+
+    if (!options) {
+        brdffit_options_init(&defaults);
+        options = &defaults;
+    }
+    status = check_call(samples, options, workspace, workspace_size, result, error);
+    if (status != BRDFFIT_OK) {
+        return status;
+    }
+    brdffit_arena_init(&arena, workspace, workspace_size);
+    brdffit_fit_layout(&fit, &arena, samples->count, samples->channels, options);
+    status = brdffit_reduce(&fit.data, samples, options, error);
+    if (status != BRDFFIT_OK) {
+        return status;
+    }
+    fit.family = brdffit_family_of(options->distribution);
+    fit.varpro.data = &fit.data;
+    fit.varpro.family = fit.family;
+    search(&fit, options, &found);
+    brdffit_report(&fit, options, objective_scale(&fit.data, options), &found, result);
+    return BRDFFIT_OK;
+}

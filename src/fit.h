@@ -1,0 +1,40 @@
+/*
+ * Everything that one fit keeps in the caller's workspace, and the steps that share it. Layer 5.
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_FIT_H
+#define BRDFFIT_FIT_H
+
+#include "arena.h"
+#include "axis.h"
+#include "bound_moment.h"
+#include "brdffit.h"
+#include "heap.h"
+#include "reduce.h"
+#include "search.h"
+#include "varpro.h"
+
+struct fit {
+    struct reduced data;
+    struct axis axis;
+    struct heap heap;
+    struct bound_moment moment;
+    struct varpro varpro;
+    const struct family *family;
+    double theta_low, theta_high; /* domain of the search; the tail counts as its end */
+    double theta_tail;            /* end of the options' range, >= theta_high */
+    double *x, *y, *rms;          /* K, K x P, K: the result's arrays */
+};
+
+/* Defaults for NULL, and every field in its range. */
+brdffit_status brdffit_options_check(const brdffit_options *options, brdffit_error *error);
+
+/* Lay a fit out in an arena (counting or real). */
+void brdffit_fit_layout(struct fit *fit, struct arena *arena, size_t count, size_t channels,
+                        const brdffit_options *options);
+
+/* Fill *result from the outcome of a search; objective_scale turns its objective into the caller's units. */
+void brdffit_report(struct fit *fit, const brdffit_options *options, double objective_scale,
+                    const struct search_result *found, brdffit_result *result);
+
+#endif

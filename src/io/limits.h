@@ -1,0 +1,35 @@
+/*
+ * Every tolerance and limit of the file readers: name, unit, why this value.
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_IO_LIMITS_H
+#define BRDFFIT_IO_LIMITS_H
+
+#include <stdint.h>
+
+/* Most bytes that a file may hold, and that a gzip stream may unpack to: 8 GiB. A MERL table of 90 x 90 x 180
+ * has 35 MB; the limit only keeps a damaged or hostile .gz (at most 1032:1) from filling the machine. */
+#if SIZE_MAX / 4 < 8589934592
+#define IO_LIMIT_BYTES (SIZE_MAX / 4)
+#else
+#define IO_LIMIT_BYTES ((size_t)8589934592)
+#endif
+
+/* First buffer for input of unknown length, bytes. */
+#define IO_FIRST_BUFFER ((size_t)65536)
+
+/* Bytes at the start of a file that decide whether it is text. */
+#define IO_TEXT_PROBE ((size_t)65536)
+
+/* First rows that a text table makes room for; doubled as needed. */
+#define IO_FIRST_ROWS ((size_t)256)
+
+/* A MERL cell with n.l or n.v at or below this is on the horizon: the product formula rounds by less
+ * (theta_h = 40, theta_d = 50, phi_d = 0 is exactly on it), and no table is fine enough to come near it. */
+#define IO_HORIZON 1e-15
+
+/* Radians. A direction this little below the lower edge of a bin belongs to that bin: unit vectors round by
+ * 1e-16 a component, and half vectors of them by a few times that. 6e-13 degrees is far below any aim. */
+#define IO_EDGE_SNAP 1e-14
+
+#endif

@@ -1,0 +1,29 @@
+/*
+ * Decimal numbers, independent of the locale, correctly rounded. SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_IO_NUMBER_H
+#define BRDFFIT_IO_NUMBER_H
+
+#include <stddef.h>
+
+enum io_number {
+    IO_NUMBER_OK = 0,
+    IO_NUMBER_EMPTY,
+    IO_NUMBER_NAN,           /* the text says NaN; *value is NaN */
+    IO_NUMBER_INFINITE,      /* the text says infinity; *value is infinite */
+    IO_NUMBER_OVERFLOW,      /* beyond the largest double; *value is infinite */
+    IO_NUMBER_HEXADECIMAL,   /* 0x... */
+    IO_NUMBER_DECIMAL_COMMA, /* digits, a comma, digits */
+    IO_NUMBER_TEXT,          /* anything else */
+    IO_NUMBER_NO_MEMORY
+};
+
+/*
+ * The value of text[0 .. length): [+-] digits [. digits] [e|E [+-] digits], with a digit before or after the
+ * point, and nothing else: blanks are the caller's to strip. Numbers too small for a double round to 0 or a
+ * subnormal. *value is 0 unless said otherwise above. `c_locale` is a locale_t with the numeric rules of "C",
+ * passed as void * so that this header needs no POSIX.
+ */
+enum io_number brdffit_io_number(const char *text, size_t length, void *c_locale, double *value);
+
+#endif

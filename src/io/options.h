@@ -1,0 +1,13 @@
+/*
+ * Checking brdffit_io_options. SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_IO_OPTIONS_H
+#define BRDFFIT_IO_OPTIONS_H
+
+#include "brdffit_io.h"
+
+/* Copy `given` (NULL: the defaults) to `out` after checking every field, the directions' vectors included. */
+brdffit_status brdffit_io_options_check(const brdffit_io_options *given, brdffit_io_options *out,
+                                        brdffit_error *error);
+
+#endif

@@ -1,0 +1,114 @@
+/*
+ * What is behind a brdffit_table: see table.h. SPDX-License-Identifier: MIT
+ */
+#include "table.h"
+
+#include <stdint.h>
+#include <string.h>
+
+#include "memory.h"
+
+struct io_table *brdffit_io_table_new(void)
+{
+    struct io_table *table = brdffit_io_alloc_zero(1, sizeof *table);
+
+    if (table) {
+        brdffit_samples_init(&table->open.samples);
+    }
+    return table;
+}
+
+int brdffit_io_table_channels(struct io_table *table, size_t channels)
+{
+    table->open.channel_names = brdffit_io_alloc_zero(channels, sizeof *table->open.channel_names);
+    if (!table->open.channel_names) {
+        return 0;
+    }
+    table->open.samples.channels = channels;
+    table->width[IO_VALUES] = channels;
+    return 1;
+}
+
+int brdffit_io_table_name(struct io_table *table, size_t k, const char *text, size_t length)
+{
+    char *name = brdffit_io_alloc(length + 1, 1);
+
+    if (!name) {
+        return 0;
+    }
+    memcpy(name, text, length);
+    name[length] = '\0';
+    table->open.channel_names[k] = name;
+    return 1;
+}
+
+int brdffit_io_table_reserve(struct io_table *table, size_t rows)
+{
+    size_t i;
+
+    if (rows <= table->capacity) {
+        return 1;
+    }
+    for (i = 0; i < IO_ARRAY_COUNT; i++) {
+        double *moved;
+
+        if (table->width[i] == 0) {
+            continue;
+        }
+        if (rows > SIZE_MAX / sizeof(double) / table->width[i]) {
+            return 0;
+        }
+        moved = brdffit_io_resize(table->array[i], rows * table->width[i], sizeof(double));
+        if (!moved) {
+            return 0;
+        }
+        table->array[i] = moved;
+    }
+    if (table->with_lines) {
+        size_t *moved = brdffit_io_resize(table->open.lines, rows, sizeof *moved);
+
+        if (!moved) {
+            return 0;
+        }
+        table->open.lines = moved;
+    }
+    table->capacity = rows;
+    return 1;
+}
+
+void brdffit_io_table_publish(struct io_table *table)
+{
+    brdffit_samples *samples = &table->open.samples;
+
+    samples->light = table->array[IO_LIGHT];
+    samples->view = table->array[IO_VIEW];
+    samples->normal = table->array[IO_NORMAL];
+    samples->cos_light = table->array[IO_COS_LIGHT];
+    samples->cos_view = table->array[IO_COS_VIEW];
+    samples->tan2_half = table->array[IO_TAN2_HALF];
+    samples->cos_difference = table->array[IO_COS_DIFFERENCE];
+    samples->a = table->array[IO_A];
+    samples->b = table->array[IO_B];
+    samples->c = table->array[IO_C];
+    samples->weights = table->array[IO_WEIGHTS];
+    samples->values = table->array[IO_VALUES];
+}
+
+void brdffit_io_free(brdffit_table *table)
+{
+    struct io_table *whole = (struct io_table *)(void *)table;
+    size_t i;
+
+    if (!table) {
+        return;
+    }
+    for (i = 0; i < IO_ARRAY_COUNT; i++) {
+        brdffit_io_release(whole->array[i]);
+    }
+    for (i = 0; table->channel_names && i < table->samples.channels; i++) {
+        brdffit_io_release(table->channel_names[i]);
+    }
+    brdffit_io_release(table->channel_names);
+    brdffit_io_release(table->lines);
+    brdffit_io_release(whole);
+}

@@ -1,0 +1,272 @@
+/*
+ * Nodes and pairs: see moments.h. Layer 2. SPDX-License-Identifier: MIT
+ */
+#include "moments.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "tolerance.h"
+
+/* Fixed order of the last additions of every lane sum. */
+static double lanes_total(const double *lane)
+{
+    return ((lane[0] + lane[4]) + (lane[2] + lane[6])) + ((lane[1] + lane[5]) + (lane[3] + lane[7]));
+}
+
+/* The sum of v[0] .. v[n - 1], n a multiple of LANES. */
+static double sum1(const double *v, size_t n)
+{
+    double lane[LANES] = {0.0};
+    size_t j, l;
+
+    for (j = 0; j < n; j += LANES) {
+        for (l = 0; l < LANES; l++) {
+            lane[l] += v[j + l];
+        }
+    }
+    return lanes_total(lane);
+}
+
+static double sum2(const double *u, const double *v, size_t n)
+{
+    double lane[LANES] = {0.0};
+    size_t j, l;
+
+    for (j = 0; j < n; j += LANES) {
+        for (l = 0; l < LANES; l++) {
+            lane[l] += u[j + l] * v[j + l];
+        }
+    }
+    return lanes_total(lane);
+}
+
+/* Doubles for lobe shapes: all of them where that is reasonable, else those of the first nodes. */
+static size_t shape_doubles(size_t stride, uint32_t capacity)
+{
+    return stride < LIMIT_SHAPE_DOUBLES / capacity ? stride * capacity : LIMIT_SHAPE_DOUBLES;
+}
+
+void brdffit_moments_layout(struct moments *m, struct arena *arena, size_t count, size_t channels,
+                            uint32_t capacity, int lobes)
+{
+    size_t stride = PADDED(count);
+
+    m->capacity = capacity;
+    m->omega = ARENA_DOUBLES(arena, channels);
+    m->norm = ARENA_DOUBLES(arena, channels);
+    m->node = brdffit_arena_take(arena, capacity, sizeof *m->node);
+    m->ready = brdffit_arena_take(arena, capacity, 1);
+    m->cache = lobes > 1 ? brdffit_arena_take(arena, PAIR_CACHE, sizeof *m->cache) : NULL;
+    m->tau_pool = brdffit_arena_take(arena, capacity, channels * sizeof(double));
+    m->functional_pool = brdffit_arena_take(arena, capacity, (1 + 2 * channels) * sizeof(struct functional));
+    m->phi_doubles = shape_doubles(stride, capacity);
+    m->phi_pool = ARENA_DOUBLES(arena, m->phi_doubles);
+    m->scratch = ARENA_DOUBLES(arena, stride > SIZE_MAX / 64 ? SIZE_MAX / 8 : 4 * stride);
+}
+
+void brdffit_moments_start(struct moments *m, const struct reduced *data, const struct family *family, int lobes)
+{
+    double root = sqrt(data->aa);
+    size_t k;
+
+    m->data = data;
+    m->family = family;
+    m->evaluated = 0;
+    m->epsilon = TOL_UNIT * (2.0 * (TOL_MOMENT_BASE + (double)data->stride / LANES));
+    m->slack = (TOL_GAIN * TOL_UNIT + m->epsilon) * data->total;
+    for (k = 0; k < data->channels; k++) {
+        m->norm[k] = sqrt(data->ii[k]);
+        m->omega[k] = (data->aa > 0.0 ? data->ai[k] / root : 0.0) + m->epsilon * m->norm[k];
+    }
+    memset(m->ready, 0, m->capacity);
+    if (lobes > 1) {
+        memset(m->cache, 0xff, PAIR_CACHE * sizeof *m->cache);
+    }
+}
+
+const double *brdffit_moments_shape(const struct moments *m, const struct node *node, double *scratch)
+{
+    if (node->phi) {
+        return node->phi;
+    }
+    m->family->shape(m->data->c, m->data->stride, node->u, scratch);
+    return scratch;
+}
+
+/* x_j = -ell_j at the node: c' for exponential families. */
+static void slopes(const struct moments *m, double u, double *x)
+{
+    size_t j;
+    double slope;
+
+    if (m->family->exponential) {
+        memcpy(x, m->data->c, m->data->stride * sizeof *x);
+        return;
+    }
+    for (j = 0; j < m->data->stride; j++) {
+        m->family->slope(m->data->c[j], u, &x[j], &slope);
+        x[j] = -x[j];
+    }
+}
+
+/* H, mean and central moments; leaves p = bb phi^2 in p and x - mean in x. */
+static void own_moments(const struct moments *m, struct node *node, const double *phi, double *p, double *x)
+{
+    const double *bb = m->data->bb;
+    size_t n = m->data->stride, j;
+    double m2[LANES] = {0.0}, m3[LANES] = {0.0}, m4[LANES] = {0.0};
+
+    for (j = 0; j < n; j++) {
+        p[j] = bb[j] * (phi[j] * phi[j]);
+    }
+    node->h = sum1(p, n);
+    node->root = sqrt(node->h);
+    if (!(node->h > 0.0)) {
+        node->mean = 0.0;
+        node->m2 = node->m3 = node->m4 = 0.0;
+        return;
+    }
+    node->mean = sum2(p, x, n) / node->h;
+    for (j = 0; j < n; j += LANES) {
+        size_t l;
+
+        for (l = 0; l < LANES; l++) {
+            double d = x[j + l] - node->mean, pd2 = p[j + l] * (d * d);
+
+            x[j + l] = d;
+            m2[l] += pd2;
+            m3[l] += pd2 * d;
+            m4[l] += pd2 * (d * d);
+        }
+    }
+    node->m2 = lanes_total(m2) / node->h;
+    node->m3 = lanes_total(m3) / node->h;
+    node->m4 = lanes_total(m4) / node->h;
+}
+
+/* Every functional at the node; x holds x - mean. */
+static void functionals(const struct moments *m, struct node *node, const double *phi, const double *x)
+{
+    const struct reduced *data = m->data;
+    size_t n = data->stride, f, j, l;
+
+    for (f = 0; f < data->functionals; f++) {
+        const double *w = data->linear + f * n;
+        double f0[LANES] = {0.0}, f1[LANES] = {0.0}, f2[LANES] = {0.0};
+
+        for (j = 0; j < n; j += LANES) {
+            for (l = 0; l < LANES; l++) {
+                double term = w[j + l] * phi[j + l], moment = term * x[j + l];
+
+                f0[l] += term;
+                f1[l] += moment;
+                f2[l] += moment * x[j + l];
+            }
+        }
+        node->functional[f].f0 = lanes_total(f0);
+        node->functional[f].f1 = lanes_total(f1);
+        node->functional[f].f2 = lanes_total(f2);
+    }
+}
+
+/* kappa and tau from the functionals, with the rounding allowance on the safe side. */
+static void projections(const struct moments *m, struct node *node)
+{
+    const struct reduced *data = m->data;
+    size_t k, K = data->channels;
+    double inverse = node->root > 0.0 ? 1.0 / node->root : 0.0;
+    double kappa = data->aa > 0.0 ? node->functional[0].f0 * inverse / sqrt(data->aa) : 0.0;
+
+    node->kappa = kappa - m->epsilon;
+    for (k = 0; k < K; k++) {
+        double v = node->functional[1 + k].f0;
+
+        if (data->functionals > 1 + K) {
+            v -= node->functional[1 + K + k].f0;
+        }
+        node->tau[k] = v * inverse + m->epsilon * m->norm[k];
+    }
+}
+
+const struct node *brdffit_moments_node(struct moments *m, uint32_t index, double theta)
+{
+    struct node *node = &m->node[index];
+    size_t stride = m->data->stride;
+    double *p = m->scratch, *x = m->scratch + stride;
+    double u[3];
+
+    if (m->ready[index]) {
+        return node;
+    }
+    m->ready[index] = 1;
+    m->evaluated++;
+    m->family->variable(m->data->c_min, theta, u);
+    node->u = u[0];
+    node->tau = m->tau_pool + index * m->data->channels;
+    node->functional = m->functional_pool + index * m->data->functionals;
+    node->phi = (index + (size_t)1) * stride <= m->phi_doubles ? m->phi_pool + index * stride : NULL;
+    if (node->phi) {
+        m->family->shape(m->data->c, stride, node->u, node->phi);
+    }
+    {
+        const double *phi = brdffit_moments_shape(m, node, m->scratch + 2 * stride);
+
+        slopes(m, node->u, x);
+        own_moments(m, node, phi, p, x);
+        functionals(m, node, phi, x);
+    }
+    projections(m, node);
+    return node;
+}
+
+/* Value, mean and variance of the products of two shapes. */
+static void fill_pair(struct moments *m, struct pair *pair)
+{
+    const struct reduced *data = m->data;
+    size_t n = data->stride, j, l;
+    const struct node *p = &m->node[pair->first], *q = &m->node[pair->second];
+    const double *phi = brdffit_moments_shape(m, p, m->scratch);
+    const double *psi = brdffit_moments_shape(m, q, m->scratch + n);
+    double *product = m->scratch + 2 * n;
+    double sum[LANES] = {0.0}, first[LANES] = {0.0}, second[LANES] = {0.0};
+
+    for (j = 0; j < n; j += LANES) {
+        for (l = 0; l < LANES; l++) {
+            double term = data->bb[j + l] * (phi[j + l] * psi[j + l]);
+
+            product[j + l] = term;
+            sum[l] += term;
+            first[l] += term * data->c[j + l];
+        }
+    }
+    pair->value = lanes_total(sum);
+    pair->mean = 0.0;
+    pair->variance = 0.0;
+    pair->mu = 0.0;
+    if (!(pair->value > 0.0)) {
+        return;
+    }
+    pair->mean = lanes_total(first) / pair->value;
+    for (j = 0; j < n; j += LANES) {
+        for (l = 0; l < LANES; l++) {
+            double d = data->c[j + l] - pair->mean;
+
+            second[l] += product[j + l] * (d * d);
+        }
+    }
+    pair->variance = lanes_total(second) / pair->value;
+    pair->mu = pair->value / (p->root * q->root) - m->epsilon;
+}
+
+const struct pair *brdffit_moments_pair(struct moments *m, uint32_t first, uint32_t second)
+{
+    struct pair *pair = &m->cache[(first * 2654435761u ^ second * 40503u) % PAIR_CACHE];
+
+    if (pair->first != first || pair->second != second) {
+        pair->first = first;
+        pair->second = second;
+        fill_pair(m, pair);
+    }
+    return pair;
+}

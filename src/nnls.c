@@ -1,0 +1,329 @@
+/*
+ * Restricted problem, dense form: see nnls.h. Layer 1. SPDX-License-Identifier: MIT
+ *
+ * Columns are scaled to unit norm (a power of two first, so that squares neither overflow nor vanish) and
+ * orthogonalised by Gram-Schmidt with one re-orthogonalisation, which makes Q orthogonal to rounding
+ * ("twice is enough"). With t = Q'data every support S is a least-squares problem in the columns of the
+ * little triangle R, and the optimum over z >= 0 is the feasible support with the largest projection: the
+ * optimal support is feasible, and any feasible z is an upper bound. A support with a column that depends
+ * on the others to rounding is left out: the same cone is spanned without it.
+ */
+#include "nnls.h"
+
+#include <math.h>
+
+#include "tolerance.h"
+
+/* Power of two near the largest magnitude; 1 for a zero vector. */
+static double scale_of(const double *v, size_t n)
+{
+    double largest = 0.0;
+    int exponent = 0;
+    size_t i;
+
+    for (i = 0; i < n; i++) {
+        largest = fmax(largest, fabs(v[i]));
+    }
+    if (!(largest > 0.0)) {
+        return 1.0;
+    }
+    (void)frexp(largest, &exponent);
+    /* Both 2^e and 2^-e must be normal numbers. */
+    return ldexp(1.0, exponent > 1020 ? 1020 : exponent < -1020 ? -1020 : exponent);
+}
+
+static double dot(const double *u, const double *v, size_t n)
+{
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    size_t i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        sum[0] += u[i] * v[i];
+        sum[1] += u[i + 1] * v[i + 1];
+        sum[2] += u[i + 2] * v[i + 2];
+        sum[3] += u[i + 3] * v[i + 3];
+    }
+    for (; i < n; i++) {
+        sum[0] += u[i] * v[i];
+    }
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+static void subtract(double *v, const double *u, double factor, size_t n)
+{
+    size_t i;
+
+    for (i = 0; i < n; i++) {
+        v[i] -= factor * u[i];
+    }
+}
+
+/* Remove the part of q_j along earlier q, twice; what remains, normalised, is q_j. */
+static void orthogonalise(struct nnls *nnls, int j)
+{
+    double *q = nnls->q[j];
+    double rest;
+    int pass, i;
+    size_t k;
+
+    for (pass = 0; pass < 2; pass++) {
+        for (i = 0; i < j; i++) {
+            double part = dot(nnls->q[i], q, nnls->rows);
+
+            subtract(q, nnls->q[i], part, nnls->rows);
+            nnls->r[i][j] += part;
+        }
+    }
+    rest = sqrt(dot(q, q, nnls->rows));
+    if (!(rest > TOL_DEPENDENT)) {
+        rest = 0.0;
+    }
+    nnls->r[j][j] = rest;
+    for (k = 0; k < nnls->rows; k++) {
+        q[k] = rest > 0.0 ? q[k] / rest : 0.0;
+    }
+}
+
+void brdffit_nnls_factor(struct nnls *nnls, size_t rows, int columns, const double *const *column, double *q)
+{
+    int i, j;
+    size_t k;
+
+    nnls->rows = rows;
+    nnls->columns = columns;
+    for (j = 0; j < columns; j++) {
+        double inverse;
+
+        nnls->column[j] = column[j];
+        nnls->q[j] = q + (size_t)j * rows;
+        nnls->scale[j] = scale_of(column[j], rows);
+        inverse = 1.0 / nnls->scale[j];
+        for (k = 0; k < rows; k++) {
+            nnls->q[j][k] = column[j][k] * inverse;
+        }
+        nnls->norm[j] = sqrt(dot(nnls->q[j], nnls->q[j], rows));
+        for (k = 0; k < rows && nnls->norm[j] > 0.0; k++) {
+            nnls->q[j][k] /= nnls->norm[j];
+        }
+        for (i = 0; i < NNLS_COLUMNS; i++) {
+            nnls->r[i][j] = 0.0;
+        }
+        if (nnls->norm[j] > 0.0) {
+            orthogonalise(nnls, j);
+        }
+    }
+}
+
+/* One support's little least squares: orthonormal basis of its columns of R. */
+struct support {
+    int count, index[NNLS_COLUMNS];
+    double basis[NNLS_COLUMNS][NNLS_COLUMNS]; /* [column of the support][row] */
+    double upper[NNLS_COLUMNS][NNLS_COLUMNS];
+};
+
+/* 0 when the columns of the support are dependent. */
+static int support_factor(const struct nnls *nnls, unsigned bits, struct support *s)
+{
+    int i, j, k, pass;
+
+    s->count = 0;
+    for (j = 0; j < nnls->columns; j++) {
+        if (bits & (1u << j)) {
+            s->index[s->count++] = j;
+        }
+    }
+    for (j = 0; j < s->count; j++) {
+        double norm = 0.0;
+
+        for (k = 0; k < nnls->columns; k++) {
+            s->basis[j][k] = nnls->r[k][s->index[j]];
+        }
+        for (i = 0; i < j; i++) {
+            s->upper[i][j] = 0.0;
+        }
+        for (pass = 0; pass < 2; pass++) {
+            for (i = 0; i < j; i++) {
+                double part = 0.0;
+
+                for (k = 0; k < nnls->columns; k++) {
+                    part += s->basis[i][k] * s->basis[j][k];
+                }
+                for (k = 0; k < nnls->columns; k++) {
+                    s->basis[j][k] -= part * s->basis[i][k];
+                }
+                s->upper[i][j] += part;
+            }
+        }
+        for (k = 0; k < nnls->columns; k++) {
+            norm += s->basis[j][k] * s->basis[j][k];
+        }
+        norm = sqrt(norm);
+        if (!(norm > TOL_DEPENDENT)) {
+            return 0;
+        }
+        s->upper[j][j] = norm;
+        for (k = 0; k < nnls->columns; k++) {
+            s->basis[j][k] /= norm;
+        }
+    }
+    return 1;
+}
+
+/* Solve the support for t; returns the squared projection. z has one entry a column of the support. */
+static double support_solve(const struct support *s, const double *t, int columns, double *z)
+{
+    double gain = 0.0;
+    int i, j, k;
+
+    for (j = 0; j < s->count; j++) {
+        z[j] = 0.0;
+        for (k = 0; k < columns; k++) {
+            z[j] += s->basis[j][k] * t[k];
+        }
+        gain += z[j] * z[j];
+    }
+    for (j = s->count - 1; j >= 0; j--) {
+        for (i = j + 1; i < s->count; i++) {
+            z[j] -= s->upper[j][i] * z[i];
+        }
+        z[j] /= s->upper[j][j];
+    }
+    return gain;
+}
+
+/* Best feasible support for t; writes unit-column coefficients. */
+static unsigned best_support(const struct nnls *nnls, const double *t, double *unit, struct support *best)
+{
+    unsigned bits, chosen = 0;
+    double gain = 0.0;
+    int j;
+
+    for (j = 0; j < NNLS_COLUMNS; j++) {
+        unit[j] = 0.0;
+    }
+    for (bits = 1; bits < 1u << nnls->columns; bits++) {
+        struct support s;
+        double z[NNLS_COLUMNS];
+        double here;
+        int feasible = 1;
+
+        if (!support_factor(nnls, bits, &s)) {
+            continue;
+        }
+        here = support_solve(&s, t, nnls->columns, z);
+        for (j = 0; j < s.count; j++) {
+            feasible = feasible && z[j] > 0.0;
+        }
+        if (feasible && here > gain) {
+            gain = here;
+            chosen = bits;
+            *best = s;
+            for (j = 0; j < NNLS_COLUMNS; j++) {
+                unit[j] = 0.0;
+            }
+            for (j = 0; j < s.count; j++) {
+                unit[s.index[j]] = z[j];
+            }
+        }
+    }
+    return chosen;
+}
+
+static void project(const struct nnls *nnls, const double *v, double *t)
+{
+    int j;
+
+    for (j = 0; j < nnls->columns; j++) {
+        t[j] = dot(nnls->q[j], v, nnls->rows);
+    }
+}
+
+/* residual = data / data_scale - sum unit_j column_j / |column_j| */
+static void residual_of(const struct nnls *nnls, const double *data, double data_scale, const double *unit,
+                        double *residual)
+{
+    double inverse = 1.0 / data_scale;
+    size_t k;
+    int j;
+
+    for (k = 0; k < nnls->rows; k++) {
+        residual[k] = data[k] * inverse;
+    }
+    for (j = 0; j < nnls->columns; j++) {
+        double factor, scale;
+
+        if (unit[j] == 0.0) {
+            continue;
+        }
+        factor = unit[j] / nnls->norm[j];
+        scale = 1.0 / nnls->scale[j];
+        for (k = 0; k < nnls->rows; k++) {
+            residual[k] -= factor * (nnls->column[j][k] * scale);
+        }
+    }
+}
+
+/* Largest violation: stationarity on the support, no ascent elsewhere. */
+static double kkt_residual(const struct nnls *nnls, const double *residual, unsigned support, double data_norm)
+{
+    double worst = 0.0;
+    int j;
+
+    for (j = 0; j < nnls->columns; j++) {
+        double slope = 0.0;
+
+        if (nnls->norm[j] > 0.0) {
+            slope = dot(nnls->column[j], residual, nnls->rows) / nnls->scale[j] / nnls->norm[j];
+        }
+        worst = fmax(worst, support & (1u << j) ? fabs(slope) : slope);
+    }
+    return data_norm > 0.0 ? worst / data_norm : 0.0;
+}
+
+/* One step of iterative refinement on the chosen support; kept only while it stays feasible. */
+static void refine(const struct nnls *nnls, const struct support *s, const double *residual, double *unit)
+{
+    double t[NNLS_COLUMNS], step[NNLS_COLUMNS];
+    int j;
+
+    project(nnls, residual, t);
+    (void)support_solve(s, t, nnls->columns, step);
+    for (j = 0; j < s->count; j++) {
+        if (!(unit[s->index[j]] + step[j] > 0.0)) {
+            return;
+        }
+    }
+    for (j = 0; j < s->count; j++) {
+        unit[s->index[j]] += step[j];
+    }
+}
+
+void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual,
+                        struct nnls_answer *answer)
+{
+    struct support best = {0};
+    double t[NNLS_COLUMNS], data_norm;
+    int j;
+
+    answer->data_scale = scale_of(data, nnls->rows);
+    for (j = 0; j < NNLS_COLUMNS; j++) {
+        answer->unit[j] = 0.0;
+        answer->z[j] = 0.0;
+    }
+    residual_of(nnls, data, answer->data_scale, answer->unit, residual);
+    data_norm = sqrt(dot(residual, residual, nnls->rows));
+    project(nnls, residual, t);
+    answer->support = best_support(nnls, t, answer->unit, &best);
+    if (answer->support) {
+        residual_of(nnls, data, answer->data_scale, answer->unit, residual);
+        refine(nnls, &best, residual, answer->unit);
+        residual_of(nnls, data, answer->data_scale, answer->unit, residual);
+    }
+    answer->rss = dot(residual, residual, nnls->rows);
+    answer->kkt = kkt_residual(nnls, residual, answer->support, data_norm);
+    for (j = 0; j < nnls->columns; j++) {
+        if (answer->unit[j] > 0.0) {
+            answer->z[j] = answer->unit[j] / nnls->norm[j] / nnls->scale[j] * answer->data_scale;
+        }
+    }
+}

@@ -1,0 +1,62 @@
+/*
+ * Samples to what a fit needs: sums over samples of equal c for the bounds (theory 4.1), and the rows of an
+ * equivalent smaller least-squares problem for the vector form (theory 4.3). Layer 2.
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_REDUCE_H
+#define BRDFFIT_REDUCE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "arena.h"
+#include "brdffit.h"
+
+/* Lanes of every sum over distinct c; arrays of that length are padded with zeros to a multiple. */
+#define LANES 8u
+#define PADDED(n) (((size_t)(n) + LANES - 1) / LANES * LANES)
+
+/*
+ * Internal units: a / scale_a, b / scale_b, w / scale_w and values / channel_scale, the first three scales
+ * powers of two, so that nothing is rounded by them. Sums over the samples of one distinct c:
+ */
+struct reduced {
+    size_t channels;   /* K */
+    size_t distinct;   /* M distinct c */
+    size_t stride;     /* PADDED(M): distance of two rows of the arrays below */
+    double c_min;
+    double *c;         /* c - c_min, ascending */
+    double *bb;        /* sum w b^2 */
+    double *concentration; /* sum w^2 b^4 / bb^2, for the effective number of samples */
+    double *linear;    /* functionals x stride: see below */
+    size_t functionals; /* 1 + K, or 1 + 2 K when some value is negative */
+    double aa;         /* sum w a^2 over all samples */
+    double *ai;        /* K: sum w a I */
+    double *ii;        /* K: sum w I^2 */
+    double total;      /* sum of ii */
+    double weight_sum; /* sum w */
+
+    size_t rows;       /* R <= N rows of the vector form */
+    double *row_a, *row_b;
+    double *row_value; /* K x used, the first R of each */
+    uint32_t *row_c;   /* R: index of its distinct c */
+
+    double scale_a, scale_b, scale_w;
+    double *channel_scale; /* K: what values are divided by inside */
+    size_t used;
+    size_t skipped[BRDFFIT_SKIP_COUNT];
+
+    /* scratch while reducing */
+    double *sample_a, *sample_b, *sample_c, *sample_factor; /* used: factor = sqrt(w) times f_r to radiance */
+    uint32_t *sample, *order, *merge;
+    double *block;
+};
+
+/* linear + f * stride, f = 0: sum w a b; f = 1 + k: sum w max(I_k, 0) b; f = 1 + K + k: sum w max(-I_k, 0) b */
+
+void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels);
+
+brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples,
+                              const brdffit_options *options, brdffit_error *error);
+
+#endif

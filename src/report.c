@@ -1,0 +1,241 @@
+/*
+ * From the outcome of a search to the caller's result: coefficients in the data's units, what each lobe rests on,
+ * and whether the data can tell its roughness (theory 4.5). Layer 5. SPDX-License-Identifier: MIT
+ */
+#include <math.h>
+
+#include "fit.h"
+#include "kernel_exp.h"
+#include "tolerance.h"
+
+static double sigma_of(double theta, const brdffit_options *o)
+{
+    double sigma = kernel_exp(-0.5 * theta);
+
+    return sigma < o->sigma_min ? o->sigma_min : sigma > o->sigma_max ? o->sigma_max : sigma;
+}
+
+static double objective_at(struct fit *f, struct point at, int p, double theta)
+{
+    struct varpro_value value;
+
+    at.theta[p] = theta;
+    brdffit_varpro_evaluate(&f->varpro, &at, 0, &value);
+    return value.objective;
+}
+
+/* Whether the objective one FLAT_STEP towards `end` (or at the end, if nearer) stays below `level`. */
+static int flat_towards(struct fit *f, const struct point *at, int p, double end, double level)
+{
+    double here = at->theta[p];
+    double there = end > here ? fmin(end, here + FLAT_STEP) : fmax(end, here - FLAT_STEP);
+
+    return there == here || objective_at(f, *at, p, there) <= level;
+}
+
+/* Furthest theta towards `end` where the objective stays below `level`: doubling steps, then bisection. */
+static double flat_end(struct fit *f, const struct point *at, int p, double end, double level)
+{
+    double inside = at->theta[p], outside = inside, step = end > inside ? FLAT_STEP : -FLAT_STEP;
+    int i;
+
+    while (inside == outside && inside != end) {
+        outside = end > inside ? fmin(end, inside + step) : fmax(end, inside + step);
+        step *= 2.0;
+        if (objective_at(f, *at, p, outside) <= level) {
+            inside = outside;
+        }
+    }
+    for (i = 0; i < 40 && inside != outside; i++) {
+        double middle = 0.5 * (inside + outside);
+
+        if (objective_at(f, *at, p, middle) <= level) {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    return inside;
+}
+
+/*
+ * Where the objective is flat to rounding on both sides of the optimum, or up to the end of the domain, sigma is
+ * not identified: report the largest and the interval.
+ */
+static void flat_interval(struct fit *f, struct point *at, int p, double objective, const brdffit_options *o,
+                          brdffit_lobe *lobe)
+{
+    double level = objective * (1.0 + TOL_FLAT_RELATIVE) + TOL_FLAT_ABSOLUTE * f->data.total;
+
+    lobe->warnings = 0;
+    lobe->sigma_low = lobe->sigma_high = sigma_of(at->theta[p], o);
+    if (flat_towards(f, at, p, f->theta_low, level) && flat_towards(f, at, p, f->theta_high, level)) {
+        double high = flat_end(f, at, p, f->theta_high, level);
+
+        at->theta[p] = flat_end(f, at, p, f->theta_low, level);
+        lobe->warnings |= BRDFFIT_WARN_FLAT;
+        lobe->sigma_high = sigma_of(at->theta[p], o);
+        lobe->sigma_low = sigma_of(high < f->theta_high ? high : f->theta_tail, o);
+    } else if (at->theta[p] <= f->theta_low || at->theta[p] >= f->theta_tail) {
+        lobe->warnings |= BRDFFIT_WARN_AT_LIMIT;
+    }
+    lobe->sigma = sigma_of(at->theta[p], o);
+}
+
+/* N_eff = (sum g^2)^2 / sum g^4 over samples. */
+static double effective_samples(struct fit *f, double theta)
+{
+    const struct reduced *data = &f->data;
+    double u[3], h = 0.0, sum = 0.0;
+    size_t j;
+
+    f->family->variable(data->c_min, theta, u);
+    f->family->shape(data->c, data->stride, u[0], f->varpro.phi);
+    for (j = 0; j < data->distinct; j++) {
+        h += data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]);
+    }
+    for (j = 0; j < data->distinct && h > 0.0; j++) {
+        double share = data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]) / h;
+
+        sum += share * share * data->concentration[j];
+    }
+    return sum > 0.0 ? 1.0 / sum : 0.0;
+}
+
+/* Coefficient of a column of the vector form, in the data's units. */
+static double in_data_units(const struct fit *f, const struct nnls_answer *answer, size_t k, int j)
+{
+    const struct nnls *nnls = &f->varpro.nnls;
+    double z = answer->unit[j];
+
+    if (!(z > 0.0)) {
+        return 0.0;
+    }
+    return z / nnls->norm[j] * (answer->data_scale / nnls->scale[j]) * f->data.channel_scale[k];
+}
+
+static void coefficients(struct fit *f, const struct point *at)
+{
+    const struct reduced *data = &f->data;
+    int lobes = f->varpro.lobes, p;
+    size_t k;
+
+    for (k = 0; k < data->channels; k++) {
+        const struct nnls_answer *answer = &f->varpro.answer[k];
+
+        f->x[k] = in_data_units(f, answer, k, 0) / data->scale_a;
+        for (p = 0; p < lobes; p++) {
+            double factor = f->family->factor(data->c_min, kernel_exp(at->theta[p]));
+            double y = in_data_units(f, answer, k, 1 + p) / data->scale_b;
+
+            f->y[k * (size_t)lobes + (size_t)p] = y > 0.0 && factor > 0.0 ? y / factor : 0.0;
+        }
+        f->rms[k] = answer->data_scale * sqrt(answer->rss / data->weight_sum) * data->channel_scale[k];
+    }
+}
+
+static void lobe_shares(const struct fit *f, brdffit_result *result)
+{
+    double sum[BRDFFIT_MAX_LOBES] = {0.0, 0.0}, all = 0.0, largest = 0.0;
+    size_t k, lobes = (size_t)f->varpro.lobes, p;
+
+    for (k = 0; k < f->data.channels * lobes; k++) {
+        largest = fmax(largest, f->y[k]);
+    }
+    for (k = 0; k < f->data.channels && largest > 0.0; k++) {
+        for (p = 0; p < lobes; p++) {
+            sum[p] += f->y[k * lobes + p] / largest;
+        }
+    }
+    for (p = 0; p < lobes; p++) {
+        all += sum[p];
+    }
+    for (p = 0; p < lobes; p++) {
+        result->lobe[p].weight = all > 0.0 ? sum[p] / all : 0.0;
+        if (!(sum[p] > 0.0)) {
+            result->lobe[p].warnings |= BRDFFIT_WARN_UNUSED;
+        }
+        if (result->lobe[p].effective_samples < LIMIT_EFFECTIVE_SAMPLES) {
+            result->lobe[p].warnings |= BRDFFIT_WARN_UNRESOLVED;
+        }
+    }
+}
+
+static void certificate(const struct fit *f, const struct search_result *found, double objective, double scale,
+                        brdffit_result *result)
+{
+    result->e2 = objective * scale;
+    result->lower_bound = fmin(found->lower_bound * scale, result->e2);
+    result->gap = result->e2 - result->lower_bound;
+    result->sum_of_squares = f->data.total * scale;
+    result->stop = found->stop;
+    result->certified = found->stop == BRDFFIT_STOP_RELATIVE_GAP || found->stop == BRDFFIT_STOP_ABSOLUTE_GAP;
+    result->boxes = found->boxes;
+    result->nodes = f->moment.moments.evaluated;
+}
+
+/* Lobes in ascending sigma, that is, descending theta. */
+static void order_lobes(struct point *at, brdffit_lobe *lobe, int lobes)
+{
+    if (lobes > 1 && at->theta[0] < at->theta[1]) {
+        double theta = at->theta[0];
+        brdffit_lobe first = lobe[0];
+
+        at->theta[0] = at->theta[1];
+        at->theta[1] = theta;
+        lobe[0] = lobe[1];
+        lobe[1] = first;
+    }
+}
+
+/* The arrays of the result, in the caller's units. */
+static void publish(struct fit *f, const brdffit_options *o, brdffit_result *result)
+{
+    size_t k;
+    int p;
+
+    if (o->normalise == BRDFFIT_NORMALISE_NONE) {
+        for (k = 0; k < f->data.channels; k++) {
+            f->data.channel_scale[k] = 1.0;
+        }
+    }
+    result->channel_scale = f->data.channel_scale;
+    result->rms = f->rms;
+    result->model.distribution = o->distribution;
+    result->model.lobes = o->lobes;
+    result->model.channels = f->data.channels;
+    result->model.x = f->x;
+    result->model.y = f->y;
+    for (p = 0; p < o->lobes; p++) {
+        result->model.sigma[p] = result->lobe[p].sigma;
+    }
+    result->distinct_c = f->data.distinct;
+    result->samples_used = f->data.used;
+    for (p = 0; p < BRDFFIT_SKIP_COUNT; p++) {
+        result->samples_skipped[p] = f->data.skipped[p];
+    }
+}
+
+void brdffit_report(struct fit *f, const brdffit_options *o, double objective_scale,
+                    const struct search_result *found, brdffit_result *result)
+{
+    static const brdffit_result zero;
+    struct point at = found->point;
+    struct varpro_value value;
+    int p;
+
+    *result = zero;
+    for (p = 0; p < o->lobes; p++) {
+        flat_interval(f, &at, p, found->objective, o, &result->lobe[p]);
+        result->lobe[p].effective_samples = effective_samples(f, at.theta[p]);
+    }
+    order_lobes(&at, result->lobe, o->lobes);
+    brdffit_varpro_evaluate(&f->varpro, &at, 0, &value);
+    coefficients(f, &at);
+    lobe_shares(f, result);
+    certificate(f, found, value.objective, objective_scale, result);
+    result->rms_total = sqrt(value.objective / ((double)f->data.channels * f->data.weight_sum)) *
+                        (o->normalise == BRDFFIT_NORMALISE_NONE ? f->data.channel_scale[0] : 1.0);
+    result->kkt_residual = value.kkt;
+    publish(f, o, result);
+}

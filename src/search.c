@@ -1,0 +1,236 @@
+/*
+ * The search: see search.h. Layer 4. SPDX-License-Identifier: MIT
+ *
+ * Invariant: every point of the domain lies in a box of the heap, or in one that was closed with a bound of at
+ * least `closed`. So min(top of the heap, closed) is a lower bound at any moment, whatever stops the search.
+ * Boxes of two lobes keep the first interval at or below the second (lobes are exchangeable): the first
+ * partition has the pairs i <= j only, and a box on the diagonal splits into three, not four.
+ */
+#include "search.h"
+
+#include <math.h>
+
+struct search {
+    struct axis *axis;
+    struct heap *heap;
+    const struct engine *engine;
+    const struct search_rules *rules;
+    struct search_result *result;
+    double closed;        /* smallest bound of a box that was closed */
+    double stuck;         /* smallest bound of a box that cannot be split, part of `closed` */
+    brdffit_stop stuck_by;
+    uint64_t sequence;
+    int full, cancelled;
+};
+
+double brdffit_search_cutoff(const struct search_rules *rules, double objective)
+{
+    return fmin(objective / (1.0 + rules->relative_gap), objective - rules->absolute_gap);
+}
+
+static void close_box(struct search *s, double bound)
+{
+    s->closed = fmin(s->closed, bound);
+}
+
+static double global_bound(const struct search *s)
+{
+    double open = s->heap->count ? s->heap->box[0].bound : INFINITY;
+
+    return fmin(fmin(open, s->closed), s->result->objective);
+}
+
+static int report(struct search *s)
+{
+    brdffit_progress p;
+    double scale = s->rules->progress_scale;
+
+    if (!s->rules->progress) {
+        return 0;
+    }
+    p.phase = BRDFFIT_PHASE_SEARCH;
+    p.boxes = s->result->boxes;
+    p.e2 = s->result->objective * scale;
+    p.lower_bound = global_bound(s) * scale;
+    return s->rules->progress(s->rules->progress_user, &p) != 0;
+}
+
+static void improve(struct search *s, struct point *point)
+{
+    double objective = s->engine->try_point(s->engine->self, point);
+
+    if (objective < s->result->objective) {
+        s->result->objective = objective;
+        s->result->point = *point;
+    }
+}
+
+/* Bound a box. A point met that beats the incumbent beyond rounding is refined; returns what was met. */
+static double bound_box(struct search *s, struct box *box, struct point *met)
+{
+    double objective;
+
+    box->sequence = s->sequence++;
+    s->result->boxes++;
+    objective = s->engine->bound(s->engine->self, box, met);
+    if (s->result->boxes % 256 == 0 && report(s)) {
+        s->cancelled = 1;
+    }
+    return objective;
+}
+
+static void keep_or_close(struct search *s, const struct box *box)
+{
+    if (box->bound >= brdffit_search_cutoff(s->rules, s->result->objective)) {
+        close_box(s, box->bound);
+    } else if (!brdffit_heap_push(s->heap, box)) {
+        close_box(s, box->bound);
+        s->full = 1;
+    }
+}
+
+static void child(struct search *s, const struct box *parent, uint32_t first, uint32_t second)
+{
+    struct box box = *parent;
+    struct point met;
+
+    box.interval[0] = first;
+    box.interval[1] = second;
+    if (bound_box(s, &box, &met) < s->result->objective - s->engine->noise) {
+        improve(s, &met);
+    }
+    box.bound = fmax(box.bound, parent->bound); /* a child is part of its parent */
+    keep_or_close(s, &box);
+}
+
+/* Bound the whole first partition, then refine the best point met, before anything is closed. */
+static void first_boxes(struct search *s)
+{
+    struct box box = {0.0, 0, {0, 0}, 0};
+    struct point met, best = {{s->axis->coordinate[0], s->axis->coordinate[0]}};
+    double best_objective = INFINITY;
+    uint32_t i, j;
+
+    for (i = 0; i < s->axis->first; i++) {
+        uint32_t last = s->engine->lobes > 1 ? s->axis->first : i + 1;
+
+        for (j = i; j < last; j++) {
+            double objective;
+
+            box.interval[0] = i;
+            box.interval[1] = s->engine->lobes > 1 ? j : 0;
+            objective = bound_box(s, &box, &met);
+            if (objective < best_objective) {
+                best_objective = objective;
+                best = met;
+            }
+            if (!brdffit_heap_push(s->heap, &box)) {
+                close_box(s, box.bound);
+                s->full = 1;
+            }
+        }
+    }
+    improve(s, &best);
+}
+
+static int box_is_fine(const struct search *s, const struct box *box)
+{
+    double width = s->engine->width(s->engine->self, box->interval[0]);
+
+    if (s->engine->lobes > 1) {
+        width = fmax(width, s->engine->width(s->engine->self, box->interval[1]));
+    }
+    return s->rules->sigma_resolution > 0.0 && width <= s->rules->sigma_resolution;
+}
+
+static void give_up(struct search *s, const struct box *box, brdffit_stop reason)
+{
+    close_box(s, box->bound);
+    if (box->bound < s->stuck) {
+        s->stuck = box->bound;
+        s->stuck_by = reason;
+    }
+}
+
+/* Split one side, or both on the diagonal. 0 when that side cannot be split. */
+static int split(struct search *s, const struct box *box)
+{
+    uint32_t first = box->interval[0], second = box->interval[1], children;
+
+    if (s->engine->lobes > 1 && first == second) {
+        children = brdffit_axis_split(s->axis, first);
+        if (children) {
+            child(s, box, children, children);
+            child(s, box, children, children + 1);
+            child(s, box, children + 1, children + 1);
+        }
+        return children != 0;
+    }
+    children = brdffit_axis_split(s->axis, box->interval[box->split]);
+    if (children) {
+        child(s, box, box->split ? first : children, box->split ? children : second);
+        child(s, box, box->split ? first : children + 1, box->split ? children + 1 : second);
+    }
+    return children != 0;
+}
+
+static void branch(struct search *s, struct box *box)
+{
+    if (box_is_fine(s, box)) {
+        give_up(s, box, BRDFFIT_STOP_RESOLUTION);
+        return;
+    }
+    if (split(s, box)) {
+        return;
+    }
+    if (s->engine->lobes > 1 && box->interval[0] != box->interval[1]) {
+        box->split = !box->split;
+        if (split(s, box)) {
+            return;
+        }
+    }
+    give_up(s, box, brdffit_axis_narrow(s->axis, box->interval[box->split]) ? BRDFFIT_STOP_ROUNDING
+                                                                           : BRDFFIT_STOP_MEMORY);
+}
+
+static brdffit_stop why_stopped(const struct search *s)
+{
+    const struct search_result *r = s->result;
+
+    if (r->lower_bound >= r->objective / (1.0 + s->rules->relative_gap)) {
+        return BRDFFIT_STOP_RELATIVE_GAP;
+    }
+    if (r->lower_bound >= r->objective - s->rules->absolute_gap) {
+        return BRDFFIT_STOP_ABSOLUTE_GAP;
+    }
+    if (s->cancelled) {
+        return BRDFFIT_STOP_CANCELLED;
+    }
+    if (s->full) {
+        return BRDFFIT_STOP_MEMORY;
+    }
+    return s->heap->count ? BRDFFIT_STOP_BUDGET : s->stuck_by;
+}
+
+void brdffit_search(struct axis *axis, struct heap *heap, const struct engine *engine,
+                    const struct search_rules *rules, struct search_result *result)
+{
+    struct search s = {axis, heap, engine, rules, result, INFINITY, INFINITY, BRDFFIT_STOP_ROUNDING, 0, 0,
+                       rules->cancelled};
+
+    heap->count = 0;
+    result->boxes = 0;
+    result->objective = INFINITY;
+    first_boxes(&s);
+    while (heap->count && !s.full && !s.cancelled && result->boxes < rules->box_budget) {
+        struct box box = brdffit_heap_pop(heap);
+
+        if (box.bound >= brdffit_search_cutoff(rules, result->objective)) {
+            close_box(&s, box.bound);
+            break; /* every other box of the heap is at least as high */
+        }
+        branch(&s, &box);
+    }
+    result->lower_bound = global_bound(&s);
+    result->stop = why_stopped(&s);
+}

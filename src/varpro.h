@@ -1,0 +1,46 @@
+/*
+ * The vector form (theory 4.3): the exact objective at a point, from the rows themselves, with derivatives by
+ * theta after the coefficients are eliminated (variable projection); and its descent. Layer 3.
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_VARPRO_H
+#define BRDFFIT_VARPRO_H
+
+#include "bound.h"
+#include "family.h"
+#include "nnls.h"
+#include "reduce.h"
+
+struct varpro {
+    const struct reduced *data;
+    const struct family *family;
+    int lobes;
+    double theta_low, theta_high; /* domain of a descent */
+    double theta_limit;           /* a lobe beyond it has no finite y and counts as absent */
+
+    double *phi;        /* 3 x stride: phi and its derivatives by theta */
+    double *column[2];  /* R each: the lobes */
+    double *first[2];   /* R each: d column / d theta */
+    double *second[2];  /* R each */
+    double *q;          /* 3 x R */
+    double *residual;   /* R */
+    struct nnls nnls;
+    struct nnls_answer *answer; /* K, of the last evaluation */
+};
+
+/* Objective at a point and, when derivatives were asked for, its gradient and Hessian by theta. */
+struct varpro_value {
+    double objective, kkt;
+    double gradient[2];
+    double hessian[2][2];
+};
+
+void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, size_t channels, int lobes);
+
+void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int derivatives,
+                             struct varpro_value *value);
+
+/* Newton descent from *point inside [theta_low, theta_high]; returns the objective of what *point becomes. */
+double brdffit_varpro_descend(struct varpro *v, struct point *point);
+
+#endif
