@@ -38,7 +38,7 @@ void brdffit_bound_moment_start(struct bound_moment *e, const struct reduced *da
     brdffit_intervals_start(&e->intervals, &e->moments);
 }
 
-static const struct interval *side(struct bound_moment *e, uint32_t index)
+const struct interval *brdffit_bound_moment_side(struct bound_moment *e, uint32_t index)
 {
     const struct axis_interval *i = &e->axis->interval[index];
 
@@ -85,7 +85,7 @@ static double gain_one(const struct bound_moment *e, const double *tau, const do
 double brdffit_bound_moment_one(void *self, struct box *box, struct point *met)
 {
     struct bound_moment *e = self;
-    const struct interval *v = side(e, box->interval[0]);
+    const struct interval *v = brdffit_bound_moment_side(e, box->interval[0]);
     const struct node *corner[2] = {v->low, v->high};
     double best = INFINITY, vertex = 0.0, monotone;
     int constant = !(fmin(v->low->kappa, v->high->kappa) - fmax(v->kappa_shift, 0.0) >= 0.0);

@@ -22,6 +22,9 @@ void brdffit_bound_moment_start(struct bound_moment *engine, const struct reduce
                                 const struct family *family, const struct axis *axis, int lobes,
                                 double theta_limit);
 
+/* What is known of one interval of the axis. */
+const struct interval *brdffit_bound_moment_side(struct bound_moment *engine, uint32_t index);
+
 /* Lower bound of E^2 from an upper bound of J; never below 0, which is always true. */
 double brdffit_bound_moment_objective(const struct bound_moment *engine, double gain);
 

@@ -145,11 +145,7 @@ static void open_view(struct view *v, struct bound_moment *e, const struct box *
 
     v->engine = e;
     for (i = 0; i < 2; i++) {
-        uint32_t index = box->interval[i];
-        const struct axis_interval *a = &e->axis->interval[index];
-
-        v->side[i] = brdffit_interval(&e->intervals, index, a->low, a->high, e->axis->coordinate[a->low],
-                                      e->axis->coordinate[a->high]);
+        v->side[i] = brdffit_bound_moment_side(e, box->interval[i]);
         v->cosine_inf[i] = v->side[i]->kappa_inf;
     }
     v->diagonal = box->interval[0] == box->interval[1];

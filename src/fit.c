@@ -10,13 +10,16 @@
 #include "kernel_log.h"
 #include "tolerance.h"
 
-/* Domain of theta = ln s: the options' range, cut where the lobe no longer changes (theory 4.1). */
-static void choose_domain(struct fit *f, const brdffit_options *o)
+void brdffit_fit_prepare(struct fit *f, const brdffit_options *o)
 {
     const struct reduced *data = &f->data;
-    double tail = f->family->tail(data->c, data->bb, data->distinct, data->c_min);
-    double limit = f->family->largest_s(data->c_min);
+    double tail, limit;
 
+    f->family = brdffit_family_of(o->distribution);
+    f->varpro.data = data;
+    f->varpro.family = f->family;
+    tail = f->family->tail(data->c, data->bb, data->distinct, data->c_min);
+    limit = f->family->largest_s(data->c_min);
     f->theta_low = -2.0 * kernel_log(o->sigma_max);
     f->theta_tail = -2.0 * kernel_log(o->sigma_min);
     f->theta_high = f->theta_tail;
@@ -94,7 +97,7 @@ static void search(struct fit *f, const brdffit_options *o, struct search_result
     struct search_rules rules;
 
     rules.cancelled = report_reduced(f, o);
-    choose_domain(f, o);
+    brdffit_fit_prepare(f, o);
     brdffit_axis_start(&f->axis, f->theta_low, f->theta_high, first_intervals(o));
     brdffit_bound_moment_start(&f->moment, &f->data, f->family, &f->axis, o->lobes, f->varpro.theta_limit);
     engine.self = f;
@@ -162,9 +165,6 @@ brdffit_status brdffit_fit(const brdffit_samples *samples, const brdffit_options
     if (status != BRDFFIT_OK) {
         return status;
     }
-    fit.family = brdffit_family_of(options->distribution);
-    fit.varpro.data = &fit.data;
-    fit.varpro.family = fit.family;
     search(&fit, options, &found);
     brdffit_report(&fit, options, objective_scale(&fit.data, options), &found, result);
     return BRDFFIT_OK;

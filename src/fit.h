@@ -33,6 +33,12 @@ brdffit_status brdffit_options_check(const brdffit_options *options, brdffit_err
 void brdffit_fit_layout(struct fit *fit, struct arena *arena, size_t count, size_t channels,
                         const brdffit_options *options);
 
+/*
+ * After the reduction: the lobe family, and the domain of theta = ln s, which is the options' range cut where the
+ * lobe no longer changes (theory 4.1).
+ */
+void brdffit_fit_prepare(struct fit *fit, const brdffit_options *options);
+
 /* Fill *result from the outcome of a search; objective_scale turns its objective into the caller's units. */
 void brdffit_report(struct fit *fit, const brdffit_options *options, double objective_scale,
                     const struct search_result *found, brdffit_result *result);

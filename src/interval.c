@@ -104,7 +104,8 @@ static struct enclosure functional_curvature(struct intervals *t, const struct i
 static void fill(struct intervals *t, struct interval *v)
 {
     const struct reduced *data = t->moments->data;
-    double a_norm = sqrt(data->aa), epsilon = t->moments->epsilon, width = v->high->u - v->low->u;
+    double a_norm = sqrt(data->aa), epsilon = fmax(v->low->epsilon, v->high->epsilon);
+    double width = v->high->u - v->low->u;
     struct enclosure curvature, e;
     size_t k, K = data->channels;
     int negative = data->functionals > 1 + K;

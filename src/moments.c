@@ -170,6 +170,20 @@ static void functionals(const struct moments *m, struct node *node, const double
     }
 }
 
+/* Allowance of the node's sums: the largest mean exponent among them decides (moments.h). */
+static double node_epsilon(const struct moments *m, const struct node *node)
+{
+    double largest = 0.0;
+    size_t f;
+
+    for (f = 0; f < m->data->functionals; f++) {
+        const struct functional *w = &node->functional[f];
+
+        largest = w->f1 > largest * w->f0 ? w->f1 / w->f0 : largest;
+    }
+    return m->epsilon + 4.0 * TOL_UNIT * (node->u * (node->mean + largest));
+}
+
 /* kappa and tau from the functionals, with the rounding allowance on the safe side. */
 static void projections(const struct moments *m, struct node *node)
 {
@@ -178,14 +192,15 @@ static void projections(const struct moments *m, struct node *node)
     double inverse = node->root > 0.0 ? 1.0 / node->root : 0.0;
     double kappa = data->aa > 0.0 ? node->functional[0].f0 * inverse / sqrt(data->aa) : 0.0;
 
-    node->kappa = kappa - m->epsilon;
+    node->epsilon = node_epsilon(m, node);
+    node->kappa = kappa - node->epsilon;
     for (k = 0; k < K; k++) {
         double v = node->functional[1 + k].f0;
 
         if (data->functionals > 1 + K) {
             v -= node->functional[1 + K + k].f0;
         }
-        node->tau[k] = v * inverse + m->epsilon * m->norm[k];
+        node->tau[k] = v * inverse + node->epsilon * m->norm[k];
     }
 }
 
@@ -256,7 +271,9 @@ static void fill_pair(struct moments *m, struct pair *pair)
         }
     }
     pair->variance = lanes_total(second) / pair->value;
-    pair->mu = pair->value / (p->root * q->root) - m->epsilon;
+    /* The nodes allow for their own roots, the last term for the exponents of the pair. */
+    pair->mu = pair->value / (p->root * q->root) - fmax(p->epsilon, q->epsilon) -
+               4.0 * TOL_UNIT * (pair->mean * (p->u + q->u));
 }
 
 const struct pair *brdffit_moments_pair(struct moments *m, uint32_t first, uint32_t second)

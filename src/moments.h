@@ -3,8 +3,9 @@
  * once. Layer 2. SPDX-License-Identifier: MIT
  *
  * Sums over distinct c run in LANES lanes with a fixed order, so that their bits do not depend on the
- * instruction set. Every stored quantity is within moments.epsilon (relative, sums of positive terms) of the
- * exact one.
+ * instruction set. Every sum of positive terms is within node.epsilon (relative) of the exact one: moments.epsilon
+ * for additions and products, and 4 u times the mean exponent c' u, because exp(-x) turns a relative error of x into
+ * one of x times that.
  */
 #ifndef BRDFFIT_MOMENTS_H
 #define BRDFFIT_MOMENTS_H
@@ -27,6 +28,7 @@ struct node {
     double root;  /* sqrt(H) */
     double mean;  /* of x = -ell under p = bb phi^2 / H */
     double m2, m3, m4; /* its central moments (m3 and m4 for exponential families only) */
+    double epsilon; /* rounding allowance of this node's sums */
     double kappa; /* cosine of a and g, lowered by epsilon */
     double *tau;  /* K: data along the normalised lobe, raised by epsilon |I_k| */
     struct functional *functional; /* as reduced.linear */
@@ -43,7 +45,7 @@ struct pair {
 struct moments {
     const struct reduced *data;
     const struct family *family;
-    double epsilon;     /* rounding allowance of inputs of the bound */
+    double epsilon;     /* rounding allowance of a sum, but for its exponents */
     double *omega;      /* K: data along the normalised a, raised by epsilon |I_k| */
     double *norm;       /* K: |I_k| */
     double slack;       /* rounding allowance of an objective, absolute */

@@ -13,41 +13,7 @@
 #include <math.h>
 
 #include "tolerance.h"
-
-/* Power of two near the largest magnitude; 1 for a zero vector. */
-static double scale_of(const double *v, size_t n)
-{
-    double largest = 0.0;
-    int exponent = 0;
-    size_t i;
-
-    for (i = 0; i < n; i++) {
-        largest = fmax(largest, fabs(v[i]));
-    }
-    if (!(largest > 0.0)) {
-        return 1.0;
-    }
-    (void)frexp(largest, &exponent);
-    /* Both 2^e and 2^-e must be normal numbers. */
-    return ldexp(1.0, exponent > 1020 ? 1020 : exponent < -1020 ? -1020 : exponent);
-}
-
-static double dot(const double *u, const double *v, size_t n)
-{
-    double sum[4] = {0.0, 0.0, 0.0, 0.0};
-    size_t i = 0;
-
-    for (; i + 4 <= n; i += 4) {
-        sum[0] += u[i] * v[i];
-        sum[1] += u[i + 1] * v[i + 1];
-        sum[2] += u[i + 2] * v[i + 2];
-        sum[3] += u[i + 3] * v[i + 3];
-    }
-    for (; i < n; i++) {
-        sum[0] += u[i] * v[i];
-    }
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
+#include "vector.h"
 
 static void subtract(double *v, const double *u, double factor, size_t n)
 {
@@ -68,13 +34,13 @@ static void orthogonalise(struct nnls *nnls, int j)
 
     for (pass = 0; pass < 2; pass++) {
         for (i = 0; i < j; i++) {
-            double part = dot(nnls->q[i], q, nnls->rows);
+            double part = vector_dot(nnls->q[i], q, nnls->rows);
 
             subtract(q, nnls->q[i], part, nnls->rows);
             nnls->r[i][j] += part;
         }
     }
-    rest = sqrt(dot(q, q, nnls->rows));
+    rest = sqrt(vector_dot(q, q, nnls->rows));
     if (!(rest > TOL_DEPENDENT)) {
         rest = 0.0;
     }
@@ -96,12 +62,12 @@ void brdffit_nnls_factor(struct nnls *nnls, size_t rows, int columns, const doub
 
         nnls->column[j] = column[j];
         nnls->q[j] = q + (size_t)j * rows;
-        nnls->scale[j] = scale_of(column[j], rows);
+        nnls->scale[j] = power_of_two(vector_largest(column[j], rows));
         inverse = 1.0 / nnls->scale[j];
         for (k = 0; k < rows; k++) {
             nnls->q[j][k] = column[j][k] * inverse;
         }
-        nnls->norm[j] = sqrt(dot(nnls->q[j], nnls->q[j], rows));
+        nnls->norm[j] = sqrt(vector_dot(nnls->q[j], nnls->q[j], rows));
         for (k = 0; k < rows && nnls->norm[j] > 0.0; k++) {
             nnls->q[j][k] /= nnls->norm[j];
         }
@@ -234,7 +200,7 @@ static void project(const struct nnls *nnls, const double *v, double *t)
     int j;
 
     for (j = 0; j < nnls->columns; j++) {
-        t[j] = dot(nnls->q[j], v, nnls->rows);
+        t[j] = vector_dot(nnls->q[j], v, nnls->rows);
     }
 }
 
@@ -273,7 +239,7 @@ static double kkt_residual(const struct nnls *nnls, const double *residual, unsi
         double slope = 0.0;
 
         if (nnls->norm[j] > 0.0) {
-            slope = dot(nnls->column[j], residual, nnls->rows) / nnls->scale[j] / nnls->norm[j];
+            slope = vector_dot(nnls->column[j], residual, nnls->rows) / nnls->scale[j] / nnls->norm[j];
         }
         worst = fmax(worst, support & (1u << j) ? fabs(slope) : slope);
     }
@@ -305,13 +271,13 @@ void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *res
     double t[NNLS_COLUMNS], data_norm;
     int j;
 
-    answer->data_scale = scale_of(data, nnls->rows);
+    answer->data_scale = power_of_two(vector_largest(data, nnls->rows));
     for (j = 0; j < NNLS_COLUMNS; j++) {
         answer->unit[j] = 0.0;
         answer->z[j] = 0.0;
     }
     residual_of(nnls, data, answer->data_scale, answer->unit, residual);
-    data_norm = sqrt(dot(residual, residual, nnls->rows));
+    data_norm = sqrt(vector_dot(residual, residual, nnls->rows));
     project(nnls, residual, t);
     answer->support = best_support(nnls, t, answer->unit, &best);
     if (answer->support) {
@@ -319,7 +285,7 @@ void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *res
         refine(nnls, &best, residual, answer->unit);
         residual_of(nnls, data, answer->data_scale, answer->unit, residual);
     }
-    answer->rss = dot(residual, residual, nnls->rows);
+    answer->rss = vector_dot(residual, residual, nnls->rows);
     answer->kkt = kkt_residual(nnls, residual, answer->support, data_norm);
     for (j = 0; j < nnls->columns; j++) {
         if (answer->unit[j] > 0.0) {

@@ -9,6 +9,7 @@
 #include "geometry.h"
 #include "reduce_parts.h"
 #include "tolerance.h"
+#include "vector.h"
 
 void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels)
 {
@@ -39,18 +40,6 @@ void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t 
     reduced->order = brdffit_arena_take(arena, count, sizeof(uint32_t));
     reduced->merge = brdffit_arena_take(arena, count, sizeof(uint32_t));
     reduced->block = ARENA_DOUBLES(arena, width * (width + REDUCE_BLOCK));
-}
-
-/* Power of two near x; 1 for 0. */
-static double power_of_two(double x)
-{
-    int exponent = 0;
-
-    if (!(x > 0.0)) {
-        return 1.0;
-    }
-    (void)frexp(x, &exponent);
-    return ldexp(1.0, exponent > 1020 ? 1020 : exponent < -1020 ? -1020 : exponent);
 }
 
 /* Values of one sample that counts: all finite; keep each channel's largest radiance and magnitude. */

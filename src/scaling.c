@@ -3,6 +3,8 @@
  *
  * Geometric: every group and every column in turn is divided by the middle of the range of its exponents,
  * which converges within a few passes on programs of our shapes; a last pass brings the tops to [1, 2).
+ * h takes part as one more column and c as one more row: without them, parts of a program that G does not
+ * connect would keep whatever relative scale they came with.
  * Layer 1. SPDX-License-Identifier: MIT
  */
 #include "scaling.h"
@@ -12,8 +14,8 @@
 
 #define PASSES 8
 #define IS_ZERO INT_MIN
-/* Entries below 2^-60 of the top of a range do not count, or a rounding error beside a 1 would decide. */
-#define NEGLIGIBLE 60
+/* A range wider than 2^100 has no useful middle: its top decides. */
+#define WIDE 100
 
 void brdffit_scaling_layout(struct scaling *scaling, struct arena *arena, const struct conic_shape *shape)
 {
@@ -25,6 +27,8 @@ void brdffit_scaling_layout(struct scaling *scaling, struct arena *arena, const 
     scaling->row = brdffit_arena_take(arena, scaling->entries, sizeof *scaling->row);
     scaling->group = brdffit_arena_take(arena, scaling->rows, sizeof *scaling->group);
     scaling->exponent = brdffit_arena_take(arena, scaling->entries, sizeof *scaling->exponent);
+    scaling->h_exponent = brdffit_arena_take(arena, scaling->rows, sizeof *scaling->h_exponent);
+    scaling->c_exponent = brdffit_arena_take(arena, scaling->variables, sizeof *scaling->c_exponent);
     scaling->group_scale = brdffit_arena_take(arena, scaling->groups, sizeof *scaling->group_scale);
     scaling->column_scale = brdffit_arena_take(arena, scaling->variables, sizeof *scaling->column_scale);
     scaling->range = brdffit_arena_take(arena, scaling->groups, sizeof *scaling->range);
@@ -62,66 +66,103 @@ static void widen(struct scaling_range *range, int exponent)
 /* What to take off: the middle of the range, or its top. */
 static int excess(struct scaling_range range, int to_top)
 {
-    int low = range.low;
-
     if (range.low > range.high) {
         return 0;
     }
-    low = low < range.high - NEGLIGIBLE ? range.high - NEGLIGIBLE : low;
-    return to_top ? range.high : (low + range.high) / 2;
+    return to_top || range.low < range.high - WIDE ? range.high : (range.low + range.high) / 2;
 }
 
-/* Exponent of entry k of column j with the scales so far, added to a range; zeros have none. */
-static void see(const struct scaling *scaling, size_t j, size_t k, struct scaling_range *range)
+static int exponent_of(double value)
 {
-    if (scaling->exponent[k] != IS_ZERO) {
-        widen(range, scaling->exponent[k] - scaling->group_scale[scaling->group[scaling->row[k]]] -
-                         scaling->column_scale[j]);
+    return value != 0.0 ? ilogb(value) : IS_ZERO;
+}
+
+/* What is left of an exponent after a scale of its row and one of its column, added to a range. */
+static void see(struct scaling_range *range, int exponent, int row_scale, int column_scale)
+{
+    if (exponent != IS_ZERO) {
+        widen(range, exponent - row_scale - column_scale);
     }
 }
 
-/* One pass over the groups, then one over the columns. */
-static void balance(struct scaling *scaling, int to_top)
+static void balance_groups(struct scaling *scaling, int to_top)
 {
     size_t i, j, k;
 
     for (i = 0; i < scaling->groups; i++) {
         scaling->range[i] = NOTHING;
     }
+    for (i = 0; i < scaling->rows; i++) {
+        size_t p = scaling->group[i];
+
+        see(&scaling->range[p], scaling->h_exponent[i], scaling->group_scale[p], scaling->h_scale);
+    }
     for (j = 0; j < scaling->variables; j++) {
         for (k = scaling->column[j]; k < scaling->column[j + 1]; k++) {
-            see(scaling, j, k, &scaling->range[scaling->group[scaling->row[k]]]);
+            size_t p = scaling->group[scaling->row[k]];
+
+            see(&scaling->range[p], scaling->exponent[k], scaling->group_scale[p], scaling->column_scale[j]);
         }
     }
     for (i = 0; i < scaling->groups; i++) {
         scaling->group_scale[i] += excess(scaling->range[i], to_top);
     }
+}
+
+static void balance_columns(struct scaling *scaling, int to_top)
+{
+    size_t j, k;
+
     for (j = 0; j < scaling->variables; j++) {
         struct scaling_range range = NOTHING;
 
+        see(&range, scaling->c_exponent[j], scaling->c_scale, scaling->column_scale[j]);
         for (k = scaling->column[j]; k < scaling->column[j + 1]; k++) {
-            see(scaling, j, k, &range);
+            see(&range, scaling->exponent[k], scaling->group_scale[scaling->group[scaling->row[k]]],
+                scaling->column_scale[j]);
         }
         scaling->column_scale[j] += excess(range, to_top);
     }
 }
 
-static void find_scales(struct scaling *scaling, const double *g)
+static void balance_vectors(struct scaling *scaling)
+{
+    struct scaling_range h = NOTHING, c = NOTHING;
+    size_t i;
+
+    for (i = 0; i < scaling->rows; i++) {
+        see(&h, scaling->h_exponent[i], scaling->group_scale[scaling->group[i]], scaling->h_scale);
+    }
+    for (i = 0; i < scaling->variables; i++) {
+        see(&c, scaling->c_exponent[i], scaling->c_scale, scaling->column_scale[i]);
+    }
+    scaling->h_scale += excess(h, 0);
+    scaling->c_scale += excess(c, 0);
+}
+
+static void find_scales(struct scaling *scaling, const struct conic_data *data)
 {
     size_t i;
     int pass;
 
     for (i = 0; i < scaling->entries; i++) {
-        scaling->exponent[i] = g[i] != 0.0 ? ilogb(g[i]) : IS_ZERO;
+        scaling->exponent[i] = exponent_of(data->g[i]);
+    }
+    for (i = 0; i < scaling->rows; i++) {
+        scaling->h_exponent[i] = exponent_of(data->h[i]);
     }
     for (i = 0; i < scaling->groups; i++) {
         scaling->group_scale[i] = 0;
     }
     for (i = 0; i < scaling->variables; i++) {
+        scaling->c_exponent[i] = exponent_of(data->c[i]);
         scaling->column_scale[i] = 0;
     }
+    scaling->h_scale = scaling->c_scale = 0;
     for (pass = 1; pass <= PASSES; pass++) {
-        balance(scaling, pass == PASSES);
+        balance_vectors(scaling);
+        balance_groups(scaling, pass == PASSES);
+        balance_columns(scaling, pass == PASSES);
     }
 }
 
@@ -146,7 +187,7 @@ void brdffit_scaling_apply(struct scaling *scaling, const struct conic_data *dat
 {
     size_t i, j, k;
 
-    find_scales(scaling, data->g);
+    find_scales(scaling, data);
     for (j = 0; j < scaling->variables; j++) {
         for (k = scaling->column[j]; k < scaling->column[j + 1]; k++) {
             int group = scaling->group_scale[scaling->group[scaling->row[k]]];

@@ -25,7 +25,7 @@ struct scaling {
     size_t variables, rows, entries, groups;
     size_t *column, *row; /* pattern of G, also when it is dense */
     size_t *group;        /* of each row */
-    int *exponent;        /* of the entries */
+    int *exponent, *h_exponent, *c_exponent;
     int *group_scale, *column_scale;
     struct scaling_range *range;
     int h_scale, c_scale;

@@ -17,6 +17,7 @@
 #include <math.h>
 
 #include "tolerance.h"
+#include "vector.h"
 
 void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, size_t channels, int lobes)
 {
@@ -57,18 +58,6 @@ static void lobe_columns(struct varpro *v, int p, double theta, int derivatives)
     }
 }
 
-static double dot(const double *x, const double *y, size_t n)
-{
-    double sum[2] = {0.0, 0.0};
-    size_t i = 0;
-
-    for (; i + 2 <= n; i += 2) {
-        sum[0] += x[i] * y[i];
-        sum[1] += x[i + 1] * y[i + 1];
-    }
-    return sum[0] + (i < n ? x[i] * y[i] : 0.0) + sum[1];
-}
-
 /* Products of derivative columns that every channel needs, at unit norm. */
 struct products {
     double norm[2];             /* of the lobe columns */
@@ -86,7 +75,7 @@ static void fill_products(const struct varpro *v, struct products *s)
 
         s->norm[p] = v->nnls.norm[1 + p] * v->nnls.scale[1 + p];
         for (k = 0; k < v->nnls.columns; k++) {
-            along_q[k] = s->norm[p] > 0.0 ? dot(v->nnls.q[k], v->first[p], n) / s->norm[p] : 0.0;
+            along_q[k] = s->norm[p] > 0.0 ? vector_dot(v->nnls.q[k], v->first[p], n) / s->norm[p] : 0.0;
         }
         for (j = 0; j < v->nnls.columns; j++) {
             s->along[p][j] = 0.0;
@@ -98,7 +87,7 @@ static void fill_products(const struct varpro *v, struct products *s)
             double value = 0.0;
 
             if (s->norm[p] > 0.0 && s->norm[q] > 0.0) {
-                value = dot(v->first[p], v->first[q], n) / s->norm[p] / s->norm[q];
+                value = vector_dot(v->first[p], v->first[q], n) / s->norm[p] / s->norm[q];
             }
             s->dd[p][q] = s->dd[q][p] = value;
         }
@@ -157,8 +146,8 @@ static void add_channel(const struct varpro *v, const struct products *s, const 
     for (p = 0; p < v->lobes; p++) {
         double inverse = s->norm[p] > 0.0 ? 1.0 / s->norm[p] : 0.0;
 
-        dr[p] = dot(v->first[p], v->residual, n) * inverse;
-        er[p] = dot(v->second[p], v->residual, n) * inverse;
+        dr[p] = vector_dot(v->first[p], v->residual, n) * inverse;
+        er[p] = vector_dot(v->second[p], v->residual, n) * inverse;
         for (j = 0; j < v->nnls.columns; j++) {
             b[p][j] = answer->unit[1 + p] * s->along[p][j] - (j == 1 + p ? dr[p] : 0.0);
         }
