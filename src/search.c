@@ -20,7 +20,7 @@ struct search {
     double stuck;         /* smallest bound of a box that cannot be split, part of `closed` */
     brdffit_stop stuck_by;
     uint64_t sequence;
-    int full, cancelled;
+    int full, cancelled, spent; /* why the loop ended early: heap full, callback, budget */
 };
 
 double brdffit_search_cutoff(const struct search_rules *rules, double objective)
@@ -133,6 +133,12 @@ static void first_boxes(struct search *s)
     improve(s, &best);
 }
 
+/* Boxes that splitting this one would bound. */
+static size_t children_of(const struct search *s, const struct box *box)
+{
+    return s->engine->lobes > 1 && box->interval[0] == box->interval[1] ? 3 : 2;
+}
+
 static int box_is_fine(const struct search *s, const struct box *box)
 {
     double width = s->engine->width(s->engine->self, box->interval[0]);
@@ -209,26 +215,30 @@ static brdffit_stop why_stopped(const struct search *s)
     if (s->full) {
         return BRDFFIT_STOP_MEMORY;
     }
-    return s->heap->count ? BRDFFIT_STOP_BUDGET : s->stuck_by;
+    return s->spent ? BRDFFIT_STOP_BUDGET : s->stuck_by;
 }
 
 void brdffit_search(struct axis *axis, struct heap *heap, const struct engine *engine,
                     const struct search_rules *rules, struct search_result *result)
 {
     struct search s = {axis, heap, engine, rules, result, INFINITY, INFINITY, BRDFFIT_STOP_ROUNDING, 0, 0,
-                       rules->cancelled};
+                       rules->cancelled, 0};
 
     heap->count = 0;
     result->boxes = 0;
     result->objective = INFINITY;
     first_boxes(&s);
-    while (heap->count && !s.full && !s.cancelled && result->boxes < rules->box_budget) {
-        struct box box = brdffit_heap_pop(heap);
+    while (heap->count && !s.full && !s.cancelled) {
+        struct box box = heap->box[0];
 
         if (box.bound >= brdffit_search_cutoff(rules, result->objective)) {
-            close_box(&s, box.bound);
-            break; /* every other box of the heap is at least as high */
+            break; /* and so is every other box */
         }
+        if (children_of(&s, &box) > rules->box_budget - result->boxes) {
+            s.spent = 1;
+            break;
+        }
+        (void)brdffit_heap_pop(heap);
         branch(&s, &box);
     }
     result->lower_bound = global_bound(&s);

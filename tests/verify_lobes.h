@@ -105,13 +105,14 @@ static inline int check_flat(struct verdict *v, int j)
     int i;
 
     for (i = 0; lobe->sigma_low < lobe->sigma_high && i <= 16; i++) {
-        long double e2;
+        long double e2, allowed;
 
         sigma[j] = fminl(low * powl(ratio, i / 16.0L), lobe->sigma_high);
         e2 = verify_optimum(&v->problem, sigma);
-        if (!(fabsl(e2 - v->e2) <= FLAT_TOLERANCE * v->e2 + FLAT_ABSOLUTE * v->problem.total + v->allowance)) {
-            return wrong(v, "lobe %d is not flat on [%.17g, %.17g]: E^2 %.17Lg at %.17Lg, optimum %.17Lg", j,
-                         lobe->sigma_low, lobe->sigma_high, e2, sigma[j], v->e2);
+        allowed = FLAT_TOLERANCE * v->e2 + FLAT_ABSOLUTE * v->problem.total + v->allowance;
+        if (!(fabsl(e2 - v->e2) <= allowed + verify_allowance(&v->problem, sigma))) {
+            return wrong(v, "lobe %d is not flat on [%.17g, %.17g]: E^2 %.17Lg at %.17Lg, optimum %.17Lg at %.17Lg, %.17Lg",
+                         j, lobe->sigma_low, lobe->sigma_high, e2, sigma[j], v->e2, v->sigma[0], v->sigma[1]);
         }
     }
     return 0;

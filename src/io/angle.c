@@ -82,3 +82,14 @@ void brdffit_io_sincos_ratio(uint64_t numerator, uint64_t denominator, double *s
     *sine = s + 0.0;
     *cosine = (obtuse ? -c : c) + 0.0;
 }
+
+void brdffit_io_direction(double theta, double phi, double out[3])
+{
+    double sin_theta, cos_theta, sin_phi, cos_phi;
+
+    brdffit_io_sincos_degrees(theta, &sin_theta, &cos_theta);
+    brdffit_io_sincos_degrees(phi, &sin_phi, &cos_phi);
+    out[0] = sin_theta * cos_phi;
+    out[1] = sin_theta * sin_phi;
+    out[2] = cos_theta;
+}

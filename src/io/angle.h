@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /*
- * Both within 1.5 ulp, the same bits on every platform, and exact wherever the value is rational: multiples of
+ * Both within 2 ulp (1.64 seen in 2e7 trials), the same bits on every platform, and exact wherever the value is rational: multiples of
  * 90 degrees, sin 30, cos 60 and their mirror images. Zeros are positive. Any finite angle.
  */
 void brdffit_io_sincos_degrees(double degrees, double *sine, double *cosine);
@@ -17,5 +17,8 @@ void brdffit_io_sincos_degrees(double degrees, double *sine, double *cosine);
  * keeps the complement exact: the cosine is as accurate near 90 degrees as the sine is near 0.
  */
 void brdffit_io_sincos_ratio(uint64_t numerator, uint64_t denominator, double *sine, double *cosine);
+
+/* Unit vector of a polar angle from +z and an azimuth from +x, degrees. */
+void brdffit_io_direction(double theta, double phi, double out[3]);
 
 #endif

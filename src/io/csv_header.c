@@ -208,27 +208,31 @@ static brdffit_status check_unique(const struct csv_layout *layout, size_t line,
                                  : fail_column(error, line, twice, "this column stands in the header twice");
 }
 
-static brdffit_status check_text(const struct csv_layout *layout, size_t line, brdffit_error *error)
+static int has_control(const struct io_field *line)
 {
-    size_t i, j, numbers = 0;
+    size_t i;
+
+    for (i = 0; i < line->length; i++) {
+        unsigned char c = (unsigned char)line->text[i];
+
+        if ((c < 0x20 && c != '\t') || c == 0x7f) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static brdffit_status check_names(const struct csv_layout *layout, size_t line, brdffit_error *error)
+{
+    size_t j, numbers = 0;
 
     for (j = 0; j < layout->columns; j++) {
         const struct io_field *field = &layout->fields[j];
-        double unused;
 
         if (field->length == 0) {
             return fail_column(error, line, j, "a column of the header has no name");
         }
-        for (i = 0; i < field->length; i++) {
-            unsigned char c = (unsigned char)field->text[i];
-
-            if (c < 0x20 || c == 0x7f) {
-                return fail_column(error, line, j, "the header holds control characters: this is not a text table");
-            }
-        }
-        /* (A name that is one long number needs the heap; taken as text when there is none.) */
-        numbers += field->text[0] != 'n' && field->text[0] != 'i' && field->length < 64 &&
-                   brdffit_io_number(field->text, field->length, NULL, &unused) == IO_NUMBER_OK;
+        numbers += (size_t)brdffit_io_is_number(field->text, field->length);
     }
     if (numbers == layout->columns) {
         return fail_column(error, line, BRDFFIT_NONE,
@@ -243,6 +247,10 @@ static brdffit_status split_header(const struct io_field *line, size_t number, s
     size_t column;
     enum io_split split;
 
+    if (has_control(line)) {
+        return fail_column(error, number, BRDFFIT_NONE,
+                           "the header holds control characters: this is not a text table");
+    }
     layout->separator = brdffit_io_separator(line);
     if (layout->separator == 0) {
         return fail_column(error, number, BRDFFIT_NONE,
@@ -311,7 +319,7 @@ brdffit_status brdffit_io_csv_header(const struct io_field *line, size_t line_nu
     brdffit_status status = split_header(line, line_number, layout, error);
 
     if (status == BRDFFIT_OK) {
-        status = check_text(layout, line_number, error);
+        status = check_names(layout, line_number, error);
     }
     if (status == BRDFFIT_OK) {
         status = assign_roles(layout, line_number, error);

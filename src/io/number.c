@@ -96,6 +96,13 @@ static const char *scan_number(const char *text, const char *end, struct scan *s
     return at < end && (*at == 'e' || *at == 'E') ? scan_exponent(at, end, scan) : at;
 }
 
+int brdffit_io_is_number(const char *text, size_t length)
+{
+    struct scan scan;
+
+    return length > 0 && scan_number(text, text + length, &scan) == text + length;
+}
+
 /* Text without sign, any case. */
 static int says(const char *at, const char *end, const char *word)
 {
@@ -175,7 +182,7 @@ static int convert_any(const char *text, size_t length, locale_t c_locale, doubl
     return 1;
 }
 
-enum io_number brdffit_io_number(const char *text, size_t length, void *c_locale, double *value)
+enum io_number brdffit_io_number(const char *text, size_t length, const void *c_locale, double *value)
 {
     const char *end = text + length, *stop;
     struct scan scan;
@@ -191,7 +198,7 @@ enum io_number brdffit_io_number(const char *text, size_t length, void *c_locale
     if (convert_fast(&scan, value)) {
         return IO_NUMBER_OK;
     }
-    if (!convert_any(text, length, (locale_t)c_locale, value)) {
+    if (!convert_any(text, length, *(const locale_t *)c_locale, value)) {
         return IO_NUMBER_NO_MEMORY;
     }
     return isinf(*value) ? IO_NUMBER_OVERFLOW : IO_NUMBER_OK;

@@ -21,9 +21,12 @@ enum io_number {
 /*
  * The value of text[0 .. length): [+-] digits [. digits] [e|E [+-] digits], with a digit before or after the
  * point, and nothing else: blanks are the caller's to strip. Numbers too small for a double round to 0 or a
- * subnormal. *value is 0 unless said otherwise above. `c_locale` is a locale_t with the numeric rules of "C",
- * passed as void * so that this header needs no POSIX.
+ * subnormal. *value is 0 unless said otherwise above. `c_locale` points to a locale_t with the numeric rules
+ * of "C" (const void *, so that this header needs no POSIX).
  */
-enum io_number brdffit_io_number(const char *text, size_t length, void *c_locale, double *value);
+enum io_number brdffit_io_number(const char *text, size_t length, const void *c_locale, double *value);
+
+/* 1 when the text is such a number, of whatever size. */
+int brdffit_io_is_number(const char *text, size_t length);
 
 #endif

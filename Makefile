@@ -1,0 +1,350 @@
+# brdffit: build, test, install. GNU make; `make help` lists the targets.
+# SPDX-License-Identifier: MIT
+
+# ---- What a caller may set ---------------------------------------------------
+
+BUILD ?= build
+ECOS ?= 1
+ECOS_DIR ?=
+WERROR ?= 0
+
+CFLAGS ?= -O2 -g
+CPPFLAGS ?=
+LDFLAGS ?=
+OBJCOPY ?= objcopy
+PYTHON ?= python3
+INSTALL ?= install
+INSTALL_PROGRAM ?= $(INSTALL)
+INSTALL_DATA ?= $(INSTALL) -m 644
+
+PREFIX ?= /usr/local
+prefix ?= $(PREFIX)
+exec_prefix ?= $(prefix)
+bindir ?= $(exec_prefix)/bin
+libdir ?= $(exec_prefix)/lib
+includedir ?= $(prefix)/include
+datarootdir ?= $(prefix)/share
+mandir ?= $(datarootdir)/man
+pkgconfigdir ?= $(libdir)/pkgconfig
+
+# Tests read development data from here and skip what is absent.
+BRDFFIT_DATA ?= ../shared/data
+
+# ---- What it may not ---------------------------------------------------------
+
+VERSION := $(shell sed -n 's/^.define BRDFFIT_VERSION_STRING "\(.*\)"$$/\1/p' include/brdffit.h)
+SOVERSION := 0
+
+# Kept whatever CFLAGS says. Proofs and reproducible bits need plain IEEE arithmetic: no contraction
+# into FMA (and never -ffast-math: kernel_exp.h refuses it). errno from libm is never read.
+REQUIRED := -std=c11 -ffp-contract=off -fno-math-errno -fvisibility=hidden -fPIC
+WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
+ifeq ($(WERROR),1)
+WARNINGS += -Werror
+endif
+COMPILE = $(CC) $(CPPFLAGS) -Iinclude $(CFLAGS) $(WARNINGS) $(REQUIRED) -MMD -MP
+
+# Downloads outlive `make clean` and are shared by the trees under BUILD.
+THIRD_PARTY ?= $(BUILD)/third_party
+VENV ?= $(BUILD)/venv
+
+# With and without ECOS are two object trees, so that switching never mixes them.
+ifeq ($(ECOS),0)
+OBJ := $(BUILD)/obj-noecos
+else
+OBJ := $(BUILD)/obj
+endif
+
+# ---- Files -------------------------------------------------------------------
+
+object = $(patsubst %.c,$(OBJ)/%.o,$(1))
+program = $(patsubst %,$(BUILD)/%,$(basename $(notdir $(1))))
+
+CORE := $(call object,$(sort $(wildcard src/*.c)))
+IO := $(call object,$(sort $(wildcard src/io/*.c)))
+CLI := $(call object,$(sort $(wildcard tools/brdffit/*.c)))
+GONIOMETER := $(call object,$(sort $(wildcard tools/goniometer/*.c)))
+BENCH := $(sort $(wildcard tools/bench/bench_*.c))
+TESTS := $(sort $(wildcard tests/test_*.c))
+REFERENCES := $(sort $(wildcard tests/ref/*.c))
+FUZZ := $(sort $(wildcard tests/fuzz/*.c))
+TEST_SUPPORT := $(call object,$(wildcard tests/verify.c tests/support.c))
+SCRIPTS := $(sort $(wildcard tests/check_*.sh))
+MANUALS := $(wildcard tools/brdffit/brdffit.1)
+
+STATIC := $(BUILD)/libbrdffit.a
+STATIC_IO := $(BUILD)/libbrdffit_io.a
+SHARED := $(BUILD)/libbrdffit.so
+SHARED_IO := $(BUILD)/libbrdffit_io.so
+PKGCONFIG := $(BUILD)/brdffit.pc $(BUILD)/brdffit_io.pc
+TEST_PROGRAMS := $(TESTS:tests/%.c=$(BUILD)/tests/%)
+REFERENCE_PROGRAMS := $(REFERENCES:tests/%.c=$(BUILD)/tests/%)
+FUZZ_PROGRAMS := $(FUZZ:tests/%.c=$(BUILD)/tests/%)
+TOOLS := $(if $(CLI),$(BUILD)/brdffit) $(if $(GONIOMETER),$(BUILD)/goniometer)
+BENCH_PROGRAMS := $(call program,$(BENCH))
+
+# ---- Targets -----------------------------------------------------------------
+
+.PHONY: all libraries programs test-programs demo deps deps-check check check-build check-c check-scripts \
+        check-asan check-python install uninstall clean distclean help FORCE
+.DELETE_ON_ERROR:
+.SECONDARY:
+.SUFFIXES:
+
+all: libraries programs
+
+libraries: $(STATIC) $(STATIC_IO) $(SHARED) $(SHARED_IO) $(PKGCONFIG)
+
+programs: $(TOOLS) $(BENCH_PROGRAMS)
+
+test-programs: $(TEST_PROGRAMS) $(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS)
+
+help:
+	@echo 'make             libraries and programs, in $(BUILD)/'
+	@echo 'make demo        install what is missing, build, fit the shipped example'
+	@echo 'make check       install what is missing, build, run every test (sanitizers included)'
+	@echo 'make check-asan  C tests and command line under AddressSanitizer and UBSan'
+	@echo 'make deps        only install what is missing (Debian; elsewhere: say what is missing)'
+	@echo 'make install     to $(prefix) (PREFIX, DESTDIR, bindir, libdir, ... are honoured)'
+	@echo 'make uninstall   remove what install put there'
+	@echo 'make clean       remove what was built; keeps downloads'
+	@echo 'make distclean   remove $(BUILD)/ whole'
+	@echo
+	@echo 'ECOS=0           a library without the GPL solver ECOS (engine socp is then unsupported)'
+	@echo 'ECOS_DIR=path    an unpacked source tree of ECOS instead of the download'
+	@echo 'BUILD=dir CC= CFLAGS= CPPFLAGS= LDFLAGS= WERROR=1 V=1'
+
+# Compiler settings of a tree. A file is rewritten only when its text changes, and everything that
+# depends on it is then rebuilt.
+quote = '$(subst ','\'',$(1))'
+define remember
+	@mkdir -p $(@D)
+	@printf '%s\n' $(call quote,$(1)) | cmp -s - $@ || printf '%s\n' $(call quote,$(1)) > $@
+endef
+
+$(OBJ)/compile.flags: FORCE
+	$(call remember,$(COMPILE) ECOS=$(ECOS) $(ECOS_ROOT))
+
+$(BUILD)/link.flags: FORCE
+	$(call remember,$(CC) $(CFLAGS) $(LDFLAGS) $(AR) $(OBJ) $(VERSION) $(CORE) $(IO) $(CLI) $(GONIOMETER))
+
+$(BUILD)/install.flags: FORCE
+	$(call remember,$(VERSION) $(prefix) $(exec_prefix) $(libdir) $(includedir))
+
+# Headers and libraries that the build needs are looked for once a tree; nothing is installed here.
+$(OBJ)/deps.ok:
+	@mkdir -p $(@D)
+	@CC='$(CC)' PYTHON='$(PYTHON)' sh tools/setup/deps.sh check $(if $(CLI),cli) $(if $(ECOS_FETCH),ecos) build
+	@touch $@
+
+# What a recipe does, in a word; V=1 shows its commands.
+say = $(if $(filter 1,$(V)),,@printf '  %-6s %s\n' '$(1)' '$(2)'; )
+
+# ---- ECOS --------------------------------------------------------------------
+
+ECOS_VERSION := 2.0.14
+ifeq ($(ECOS),0)
+ECOS_OBJECTS :=
+ECOS_ROOT :=
+ECOS_FLAGS := -DBRDFFIT_NO_ECOS
+else
+ifeq ($(ECOS_DIR),)
+ECOS_ROOT := $(THIRD_PARTY)/ecos-$(ECOS_VERSION)/ecos
+ECOS_READY := $(THIRD_PARTY)/ecos-$(ECOS_VERSION)/.verified
+ECOS_FETCH := $(if $(wildcard $(ECOS_READY)),,yes)
+else
+ECOS_ROOT := $(patsubst %/,%,$(if $(wildcard $(ECOS_DIR)/ecos/include/ecos.h),$(ECOS_DIR)/ecos,$(ECOS_DIR)))
+ECOS_READY := $(ECOS_ROOT)/include/ecos.h
+endif
+ECOS_SOURCES := src/cone src/ecos src/equil src/expcone src/kkt src/preproc src/spla src/splamm src/timer \
+    src/wright_omega external/ldl/src/ldl \
+    $(addprefix external/amd/src/amd_,1 2 aat control defaults global info order post_tree postorder preprocess valid)
+ECOS_OBJECTS := $(ECOS_SOURCES:%=$(OBJ)/ecos/%.o)
+# DLONG and LDL_LONG: 64-bit indices. CTRLC=0: ECOS must not take over SIGINT.
+ECOS_FLAGS := -DDLONG -DLDL_LONG -DCTRLC=0 -isystem $(ECOS_ROOT)/include \
+    -isystem $(ECOS_ROOT)/external/amd/include -isystem $(ECOS_ROOT)/external/ldl/include \
+    -isystem $(ECOS_ROOT)/external/SuiteSparse_config
+
+$(THIRD_PARTY)/ecos-$(ECOS_VERSION)/.verified: | $(OBJ)/deps.ok
+	@PYTHON='$(PYTHON)' sh tools/setup/fetch_ecos.sh '$(THIRD_PARTY)'
+
+ifneq ($(ECOS_DIR),)
+$(ECOS_READY):
+	@echo 'ECOS_DIR=$(ECOS_DIR) holds no source tree of ECOS (no include/ecos.h, no ecos/include/ecos.h).' >&2
+	@exit 1
+endif
+
+# Not ours: warnings off. No LTO, because the objects are linked into one before the archive is made.
+$(OBJ)/ecos/%.o: $(OBJ)/compile.flags | $(ECOS_READY)
+	@mkdir -p $(@D)
+	$(call say,CC,$@)$(CC) $(CPPFLAGS) $(ECOS_FLAGS) $(CFLAGS) -std=gnu11 $(filter-out -std=c11,$(REQUIRED)) -fno-lto -w \
+	    -c $(ECOS_ROOT)/$*.c -o $@
+endif
+
+# socp.o of the archive is our socp.c with all of ECOS, AMD and LDL inside and no name visible but ours.
+SOCP := $(OBJ)/src/socp.o
+SOCP_WHOLE := $(OBJ)/socp.o
+CORE_MEMBERS := $(filter-out $(SOCP),$(CORE)) $(if $(filter $(SOCP),$(CORE)),$(SOCP_WHOLE))
+
+$(SOCP): EXTRA = $(ECOS_FLAGS) -fno-lto
+$(SOCP): | $(ECOS_READY)
+
+$(SOCP_WHOLE): $(SOCP) $(ECOS_OBJECTS)
+	$(call say,LD,$@)$(CC) $(filter -m%,$(CFLAGS)) -r -nostdlib $^ -o $@.tmp && \
+	    $(OBJCOPY) --wildcard --keep-global-symbol='brdffit_*' $@.tmp $@
+	@rm -f $@.tmp
+
+# ---- Compile -----------------------------------------------------------------
+
+$(OBJ)/src/%.o: src/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
+	@mkdir -p $(@D)
+	$(call say,CC,$<)$(COMPILE) -Isrc $(EXTRA) -c $< -o $@
+
+# Tools see the public headers only.
+$(OBJ)/tools/%.o: tools/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
+	@mkdir -p $(@D)
+	$(call say,CC,$<)$(COMPILE) -c $< -o $@
+
+$(OBJ)/tests/%.o: tests/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
+	@mkdir -p $(@D)
+	$(call say,CC,$<)$(COMPILE) -Isrc -Itests $(if $(filter 0,$(ECOS)),-DBRDFFIT_NO_ECOS) -c $< -o $@
+
+# ---- Link --------------------------------------------------------------------
+
+LINK = $(CC) $(CFLAGS) $(LDFLAGS)
+
+$(STATIC): $(CORE_MEMBERS) $(BUILD)/link.flags
+	@rm -f $@
+	$(call say,AR,$@)$(AR) rcs $@ $(CORE_MEMBERS)
+
+$(STATIC_IO): $(IO) $(BUILD)/link.flags
+	@rm -f $@
+	$(call say,AR,$@)$(AR) rcs $@ $(IO)
+
+# name.so -> name.so.0 -> name.so.0.1.0
+define shared_library
+	$(call say,LINK,$@)$(LINK) -shared -Wl,-soname,$(@F).$(SOVERSION) -o $@.$(VERSION) $(1)
+	@ln -sf $(@F).$(VERSION) $@.$(SOVERSION)
+	@ln -sf $(@F).$(SOVERSION) $@
+endef
+
+$(SHARED): $(CORE_MEMBERS) $(BUILD)/link.flags
+	$(call shared_library,$(CORE_MEMBERS) -lm)
+
+$(SHARED_IO): $(IO) $(SHARED) $(BUILD)/link.flags
+	$(call shared_library,$(IO) -L$(BUILD) -lbrdffit -lz -lm)
+
+$(BUILD)/brdffit: $(CLI) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
+	$(call say,LINK,$@)$(LINK) -o $@ $(CLI) $(STATIC_IO) $(STATIC) -lcjson -lz -lm
+
+$(BUILD)/goniometer: $(GONIOMETER) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
+	$(call say,LINK,$@)$(LINK) -o $@ $(GONIOMETER) $(STATIC_IO) $(STATIC) -lz -lm
+
+$(BENCH_PROGRAMS): $(BUILD)/%: $(OBJ)/tools/bench/%.o $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
+	$(call say,LINK,$@)$(LINK) -o $@ $< $(STATIC_IO) $(STATIC) -lz -lm
+
+# A test that needs linker options says so in its source: a line with "LDFLAGS:" and the options.
+$(TEST_PROGRAMS): $(BUILD)/tests/%: $(OBJ)/tests/%.o $(TEST_SUPPORT) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)$(LINK) -o $@ $< $(TEST_SUPPORT) $(STATIC_IO) $(STATIC) \
+	    $$(sed -n 's/^.*LDFLAGS: *\(-[^*]*[^* ]\).*$$/\1/p' tests/$*.c) -lcmocka -lz -lm
+
+$(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS): $(BUILD)/tests/%: $(OBJ)/tests/%.o $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)$(LINK) -o $@ $< $(STATIC_IO) $(STATIC) -lz -lm
+
+$(BUILD)/%.pc: tools/setup/%.pc.in $(BUILD)/install.flags
+	@sed -e 's|@VERSION@|$(VERSION)|' -e 's|@PREFIX@|$(prefix)|' -e 's|@EXEC_PREFIX@|$(exec_prefix)|' \
+	    -e 's|@LIBDIR@|$(libdir)|' -e 's|@INCLUDEDIR@|$(includedir)|' $< > $@
+
+# ---- Install -----------------------------------------------------------------
+
+HEADERS := include/brdffit.h include/brdffit_io.h
+
+install: all
+	$(INSTALL) -d '$(DESTDIR)$(bindir)' '$(DESTDIR)$(libdir)' '$(DESTDIR)$(includedir)' '$(DESTDIR)$(pkgconfigdir)'
+	$(INSTALL_DATA) $(HEADERS) '$(DESTDIR)$(includedir)'
+	$(INSTALL_DATA) $(STATIC) $(STATIC_IO) '$(DESTDIR)$(libdir)'
+	for name in libbrdffit libbrdffit_io; do \
+	    $(INSTALL) -m 755 $(BUILD)/$$name.so.$(VERSION) '$(DESTDIR)$(libdir)' && \
+	    ln -sf $$name.so.$(VERSION) '$(DESTDIR)$(libdir)'/$$name.so.$(SOVERSION) && \
+	    ln -sf $$name.so.$(SOVERSION) '$(DESTDIR)$(libdir)'/$$name.so || exit 1; \
+	done
+	$(INSTALL_DATA) $(PKGCONFIG) '$(DESTDIR)$(pkgconfigdir)'
+ifneq ($(CLI),)
+	$(INSTALL_PROGRAM) $(BUILD)/brdffit '$(DESTDIR)$(bindir)'
+endif
+ifneq ($(MANUALS),)
+	$(INSTALL) -d '$(DESTDIR)$(mandir)/man1'
+	$(INSTALL_DATA) $(MANUALS) '$(DESTDIR)$(mandir)/man1'
+endif
+
+uninstall:
+	rm -f $(HEADERS:include/%='$(DESTDIR)$(includedir)'/%)
+	for name in libbrdffit libbrdffit_io; do \
+	    for end in a so so.$(SOVERSION) so.$(VERSION); do rm -f '$(DESTDIR)$(libdir)'/$$name.$$end; done; \
+	done
+	rm -f '$(DESTDIR)$(pkgconfigdir)'/brdffit.pc '$(DESTDIR)$(pkgconfigdir)'/brdffit_io.pc
+	rm -f '$(DESTDIR)$(bindir)'/brdffit '$(DESTDIR)$(mandir)'/man1/brdffit.1
+
+# ---- Use it, test it ---------------------------------------------------------
+
+deps:
+	@CC='$(CC)' PYTHON='$(PYTHON)' sh tools/setup/deps.sh install $(if $(filter 0,$(ECOS))$(ECOS_DIR),,ecos) \
+	    $(or $(DEPS),cli build test)
+
+demo:
+	@$(MAKE) --no-print-directory deps DEPS='cli build'
+	@$(MAKE) --no-print-directory all
+	@sh tools/setup/demo.sh '$(BUILD)'
+
+check: deps
+	@$(MAKE) --no-print-directory check-build
+	@failed=; for part in check-c check-scripts check-asan check-python; do \
+	    $(MAKE) --no-print-directory $$part || failed="$$failed $$part"; \
+	done; \
+	if [ -n "$$failed" ]; then echo "make check: FAILED in$$failed" >&2; exit 1; fi; \
+	echo 'make check: everything passed'
+
+check-build: all test-programs
+
+check-c: check-build
+	@BRDFFIT_BUILD='$(abspath $(BUILD))' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' \
+	    sh tools/setup/run_tests.sh programs $(TEST_PROGRAMS)
+
+# The scripts build what they need themselves; they inherit the compiler and its flags.
+check-scripts: check-build
+	@BRDFFIT_BUILD='$(abspath $(BUILD))' MAKE='$(MAKE)' CC='$(CC)' THIRD_PARTY='$(abspath $(THIRD_PARTY))' \
+	    ECOS='$(ECOS)' ECOS_DIR='$(ECOS_DIR)' WERROR='$(WERROR)' sh tools/setup/run_tests.sh scripts $(SCRIPTS)
+
+SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
+ASAN = $(MAKE) --no-print-directory BUILD='$(BUILD)/asan' THIRD_PARTY='$(THIRD_PARTY)' VENV='$(VENV)' \
+    CFLAGS='-O1 -g -fno-omit-frame-pointer $(SANITIZE)' LDFLAGS='$(LDFLAGS) $(SANITIZE)'
+
+check-asan:
+	@$(ASAN) programs test-programs
+	@$(ASAN) check-asan-run
+
+check-asan-run:
+	@failed=0; \
+	BRDFFIT_BUILD='$(abspath $(BUILD))' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' \
+	    sh tools/setup/run_tests.sh programs $(TEST_PROGRAMS) || failed=1; \
+	$(MAKE) --no-print-directory check-python PYTESTS='$(wildcard tests/cli)' || failed=1; \
+	exit $$failed
+.PHONY: check-asan-run
+
+PYTESTS ?= $(wildcard tests python/tests)
+check-python:
+	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(VENV)' tests/requirements.txt
+	@BRDFFIT_BUILD='$(abspath $(BUILD))' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' \
+	    sh tools/setup/run_tests.sh python '$(VENV)' '$(BUILD)' $(PYTESTS)
+
+clean:
+	rm -rf $(BUILD)/obj $(BUILD)/obj-noecos $(BUILD)/tests $(BUILD)/asan $(BUILD)/ecos0 $(BUILD)/demo
+	rm -rf $(BUILD)/install $(BUILD)/pycache $(BUILD)/pytest_cache
+	rm -f $(BUILD)/libbrdffit* $(BUILD)/*.pc $(BUILD)/*.flags $(BUILD)/brdffit $(BUILD)/goniometer $(BUILD)/bench_*
+
+distclean:
+	rm -rf $(BUILD)
+
+-include $(wildcard $(OBJ)/src/*.d $(OBJ)/src/io/*.d $(OBJ)/tools/*/*.d $(OBJ)/tests/*.d $(OBJ)/tests/*/*.d)

@@ -1,0 +1,66 @@
+/*
+ * What kind of file is it: see detect.h. SPDX-License-Identifier: MIT
+ *
+ * A table whose size is exactly what its first twelve bytes say is MERL. Otherwise control bytes near the start
+ * make the file binary, that is MERL that something happened to, unless the twelve bytes of its header could be
+ * the start of a line of text: then it is text with bad bytes in it, and the line that holds them gets named.
+ */
+#include "detect.h"
+
+#include <string.h>
+
+#include "fail.h"
+#include "gzip.h"
+#include "limits.h"
+#include "merl.h"
+
+static int is_control(unsigned char c)
+{
+    return (c < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f') || c == 0x7f;
+}
+
+static int has_control(const unsigned char *data, size_t size)
+{
+    size_t i;
+
+    for (i = 0; i < size; i++) {
+        if (is_control(data[i])) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static int is_utf16(const unsigned char *data, size_t size)
+{
+    return size >= 2 && ((data[0] == 0xff && data[1] == 0xfe) || (data[0] == 0xfe && data[1] == 0xff));
+}
+
+brdffit_status brdffit_io_detect(const unsigned char *data, size_t size, brdffit_io_format *format,
+                                 brdffit_error *error)
+{
+    size_t probe = size < IO_TEXT_PROBE ? size : IO_TEXT_PROBE;
+    size_t header = size < MERL_HEADER ? size : MERL_HEADER;
+    struct merl merl;
+
+    *format = BRDFFIT_IO_FORMAT_MERL;
+    if (brdffit_io_merl_open(data, size, &merl, NULL) == BRDFFIT_OK) {
+        return BRDFFIT_OK;
+    }
+    if (brdffit_io_is_gzip(data, size)) {
+        return brdffit_io_fail(error, BRDFFIT_ERR_FORMAT, "the file was compressed with gzip twice");
+    }
+    if (is_utf16(data, size)) {
+        return brdffit_io_fail(error, BRDFFIT_ERR_FORMAT, "the text is UTF-16: save it as UTF-8");
+    }
+    if (!has_control(data, probe) || !has_control(data, header)) {
+        *format = BRDFFIT_IO_FORMAT_CSV;
+        return BRDFFIT_OK;
+    }
+    if (size >= MERL_HEADER && !brdffit_io_merl_plausible(data)) {
+        return brdffit_io_fail(error, BRDFFIT_ERR_FORMAT,
+                               "the file is neither a text table nor a MERL .binary (its first 12 bytes are not the "
+                               "dimensions of a table)");
+    }
+    return BRDFFIT_OK;
+}

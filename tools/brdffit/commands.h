@@ -1,0 +1,16 @@
+/* commands.h: one function a subcommand, one file each. Each takes argv from
+ * its own name on, and returns the exit code.
+ * SPDX-License-Identifier: MIT */
+#ifndef BRDFFIT_CLI_COMMANDS_H
+#define BRDFFIT_CLI_COMMANDS_H
+
+int brdffit_cli_fit(int argc, char **argv);
+int brdffit_cli_eval(int argc, char **argv);
+int brdffit_cli_info(int argc, char **argv);
+
+/* The help of a command on standard output. */
+void brdffit_cli_fit_help(void);
+void brdffit_cli_eval_help(void);
+void brdffit_cli_info_help(void);
+
+#endif

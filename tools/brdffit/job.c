@@ -1,0 +1,164 @@
+/* job.c: one file, from reading to the proven result.
+ * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+#include "job.h"
+
+#include <errno.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "failure.h"
+#include "interrupt.h"
+
+double brdffit_cli_clock(void)
+{
+    struct timespec now;
+    if (clock_gettime(CLOCK_MONOTONIC, &now) != 0)
+        return 0;
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static int on_progress(void *user, const brdffit_progress *progress)
+{
+    cli_fitter *const fitter = user;
+    if (progress->phase == BRDFFIT_PHASE_REDUCED)
+        fitter->reduced_at = brdffit_cli_clock();
+    else if (fitter->progress != NULL)
+        brdffit_cli_progress_search(fitter->progress, progress);
+    return brdffit_cli_interrupted();
+}
+
+/* ---- Directions of --merl-samples FILE --------------------------------- */
+
+static int load_directions(cli_fitter *fitter, const char *path)
+{
+    brdffit_io_options options;
+    brdffit_io_options_init(&options);
+    options.format = BRDFFIT_IO_FORMAT_CSV;
+    brdffit_error error = {0};
+    errno = 0;
+    const brdffit_status status = brdffit_io_read(path, &options, &fitter->directions, &error);
+    if (status != BRDFFIT_OK) {
+        brdffit_cli_report_error(path, &error, NULL, errno);
+        fprintf(stderr, "brdffit: --merl-samples takes table, 84 or a file like those of fit, with "
+                        "directions and a channel\n");
+        return brdffit_cli_status_exit(status);
+    }
+    const brdffit_samples *const samples = &fitter->directions->samples;
+    if (samples->form != BRDFFIT_FORM_DIRECTIONS || samples->normal != NULL ||
+        samples->count == 0) {
+        fprintf(stderr,
+                "brdffit: %s: --merl-samples needs directions of light and view, without normals\n",
+                path);
+        return CLI_EXIT_DATA;
+    }
+    fitter->io.directions = samples;
+    return 0;
+}
+
+int brdffit_cli_fitter_init(cli_fitter *fitter, const cli_settings *settings)
+{
+    memset(fitter, 0, sizeof *fitter);
+    fitter->settings = settings;
+    brdffit_cli_fit_options(settings, &fitter->options);
+    fitter->options.progress = on_progress;
+    fitter->options.progress_user = fitter;
+    brdffit_cli_io_options(settings, &fitter->io);
+    if (fitter->io.merl_sampling != BRDFFIT_IO_MERL_DIRECTIONS)
+        return 0;
+    return load_directions(fitter, settings->merl_samples);
+}
+
+void brdffit_cli_fitter_free(cli_fitter *fitter)
+{
+    brdffit_io_free(fitter->directions);
+    free(fitter->workspace);
+    memset(fitter, 0, sizeof *fitter);
+}
+
+/* ---- Files ------------------------------------------------------------- */
+
+void brdffit_cli_job_read(cli_job *job, cli_fitter *fitter, const char *path)
+{
+    memset(job, 0, sizeof *job);
+    job->path = path;
+    const double start = brdffit_cli_clock();
+    errno = 0;
+    job->status = brdffit_io_read(path, &fitter->io, &job->table, &job->error);
+    if (job->status != BRDFFIT_OK)
+        job->system_error = errno;
+    job->read_seconds = brdffit_cli_clock() - start;
+}
+
+static void fail(cli_job *job, brdffit_status status)
+{
+    job->status = status;
+    job->error.status = status;
+    job->error.message = brdffit_status_string(status);
+    job->error.sample = job->error.channel = BRDFFIT_NONE;
+    job->error.line = job->error.column = BRDFFIT_NONE;
+    job->error.value = 0;
+}
+
+/* 1 when the workspace holds `size` bytes. The old content is of no use, so
+ * it is released first rather than copied. */
+static int grow(cli_fitter *fitter, size_t size)
+{
+    if (size <= fitter->capacity)
+        return 1;
+    free(fitter->workspace);
+    fitter->workspace = malloc(size);
+    fitter->capacity = fitter->workspace == NULL ? 0 : size;
+    return fitter->workspace != NULL;
+}
+
+static void fit(cli_job *job, cli_fitter *fitter)
+{
+    const brdffit_samples *const samples = &job->table->samples;
+    /* 0 for options or sizes that brdffit_fit() explains better. */
+    const size_t size = brdffit_workspace_size(samples->count, samples->channels, &fitter->options);
+    if (!grow(fitter, size > 0 ? size : 1)) {
+        fail(job, BRDFFIT_ERR_MEMORY);
+        return;
+    }
+    fitter->reduced_at = 0;
+    const double start = brdffit_cli_clock();
+    job->status = brdffit_fit(samples, &fitter->options, fitter->workspace, fitter->capacity,
+                              &job->result, &job->error);
+    const double end = brdffit_cli_clock();
+    const double reduced = fitter->reduced_at > 0 ? fitter->reduced_at : end;
+    job->reduce_seconds = reduced - start;
+    job->search_seconds = end - reduced;
+}
+
+void brdffit_cli_job_run(cli_job *job, cli_fitter *fitter, const char *path)
+{
+    brdffit_cli_job_read(job, fitter, path);
+    if (job->status == BRDFFIT_OK)
+        fit(job, fitter);
+}
+
+void brdffit_cli_job_free(cli_job *job)
+{
+    brdffit_io_free(job->table);
+    job->table = NULL;
+}
+
+int brdffit_cli_job_exit(const cli_job *job)
+{
+    if (job->not_begun)
+        return CLI_EXIT_OPEN;
+    if (job->status != BRDFFIT_OK)
+        return brdffit_cli_status_exit(job->status);
+    return job->result.certified ? CLI_EXIT_CERTIFIED : CLI_EXIT_OPEN;
+}
+
+size_t brdffit_cli_entries(const brdffit_table *table)
+{
+    size_t entries = table->samples.count;
+    for (int i = 0; i < BRDFFIT_IO_DROP_COUNT; i++)
+        entries += table->dropped[i];
+    return entries;
+}

@@ -1,0 +1,57 @@
+/* job.h: one file, from reading to the proven result.
+ * SPDX-License-Identifier: MIT */
+#ifndef BRDFFIT_CLI_JOB_H
+#define BRDFFIT_CLI_JOB_H
+
+#include "brdffit.h"
+#include "brdffit_io.h"
+#include "progress.h"
+#include "settings.h"
+
+/* Kept from file to file: the workspace is reused and grows as needed. */
+typedef struct cli_fitter {
+    const cli_settings *settings;
+    brdffit_options options;
+    brdffit_io_options io;
+    brdffit_table *directions; /* of --merl-samples FILE; NULL otherwise */
+    void *workspace;
+    size_t capacity;
+    cli_progress *progress; /* or NULL */
+    double reduced_at;      /* clock when the reduction was done; 0: not yet */
+} cli_fitter;
+
+typedef struct cli_job {
+    const char *path;
+    brdffit_table *table; /* NULL when reading failed */
+    brdffit_status status;
+    brdffit_error error;
+    int system_error;   /* errno when reading failed; 0: unknown */
+    int not_begun;      /* interrupted before this file's turn */
+    brdffit_result result; /* points into the fitter's workspace */
+    double read_seconds;
+    double reduce_seconds;
+    double search_seconds;
+} cli_job;
+
+/* Load the directions that the settings name. 0, or the exit code of a
+ * failure that is already on stderr. */
+int brdffit_cli_fitter_init(cli_fitter *fitter, const cli_settings *settings);
+void brdffit_cli_fitter_free(cli_fitter *fitter);
+
+/* Read and fit. Release the job before the next one runs. */
+void brdffit_cli_job_run(cli_job *job, cli_fitter *fitter, const char *path);
+void brdffit_cli_job_free(cli_job *job);
+
+/* Read only: table or error. */
+void brdffit_cli_job_read(cli_job *job, cli_fitter *fitter, const char *path);
+
+/* The exit code that this file alone would give. */
+int brdffit_cli_job_exit(const cli_job *job);
+
+/* Entries that the file offered: used, skipped and dropped together. */
+size_t brdffit_cli_entries(const brdffit_table *table);
+
+/* Monotonic seconds. */
+double brdffit_cli_clock(void);
+
+#endif

@@ -1,0 +1,201 @@
+/* json_fit.c: the line that a fit writes with --json. What it says about how
+ * the file was read is what `eval` needs to re-evaluate the fit from the line
+ * and the file alone. SPDX-License-Identifier: MIT */
+#include "json_fit.h"
+
+#include "failure.h"
+#include "words.h"
+
+static void place(cli_json *json, const char *key, size_t value, size_t add)
+{
+    if (value != BRDFFIT_NONE)
+        brdffit_cli_json_count(json, key, value + add);
+}
+
+/* Line and column count from 1, sample and channel from 0, as in the API. */
+void brdffit_cli_json_error(cli_json *json, const cli_job *job)
+{
+    const brdffit_error *const error = &job->error;
+    brdffit_cli_json_open(json, "error", '{');
+    if (job->not_begun) {
+        brdffit_cli_json_string(json, "code", "interrupted");
+        brdffit_cli_json_string(json, "message", "interrupted before this file was begun");
+        brdffit_cli_json_close(json, '}');
+        return;
+    }
+    brdffit_cli_json_string(json, "code", brdffit_cli_status_name(job->status));
+    brdffit_cli_json_string(json, "message", brdffit_cli_message(error));
+    place(json, "line", brdffit_cli_error_line(error, job->table), 0);
+    place(json, "column", error->column, 0);
+    place(json, "sample", error->sample, 0);
+    place(json, "channel", error->channel, 0);
+    if (brdffit_cli_has_value(error)) {
+        if (error->value - error->value == 0)
+            brdffit_cli_json_number(json, "value", error->value);
+        else
+            brdffit_cli_json_string(json, "value",
+                                    error->value > 0 ? "inf" : error->value < 0 ? "-inf" : "nan");
+    }
+    brdffit_cli_json_close(json, '}');
+}
+
+void brdffit_cli_json_channels(cli_json *json, const brdffit_table *table)
+{
+    brdffit_cli_json_open(json, "channels", '[');
+    for (size_t k = 0; k < table->samples.channels; k++)
+        brdffit_cli_json_string(json, NULL, table->channel_names[k]);
+    brdffit_cli_json_close(json, ']');
+}
+
+static void directions(cli_json *json, const brdffit_samples *samples)
+{
+    brdffit_cli_json_open(json, "merl_directions", '[');
+    for (size_t i = 0; i < samples->count; i++) {
+        brdffit_cli_json_open(json, NULL, '[');
+        for (size_t k = 0; k < 3; k++)
+            brdffit_cli_json_number(json, NULL, samples->light[3 * i + k]);
+        for (size_t k = 0; k < 3; k++)
+            brdffit_cli_json_number(json, NULL, samples->view[3 * i + k]);
+        brdffit_cli_json_close(json, ']');
+    }
+    brdffit_cli_json_close(json, ']');
+}
+
+/* How the file was read. */
+void brdffit_cli_json_source(cli_json *json, const cli_job *job, const cli_settings *settings)
+{
+    const brdffit_table *const table = job->table;
+    const int merl = table->format == BRDFFIT_IO_FORMAT_MERL;
+    brdffit_cli_json_string(json, "format",
+                            brdffit_cli_choice_name(brdffit_cli_format_choices, (int)table->format));
+    brdffit_cli_json_string(
+        json, "quantity",
+        brdffit_cli_choice_name(brdffit_cli_quantity_choices, (int)table->samples.quantity));
+    if (!merl) {
+        brdffit_cli_json_null(json, "merl_bins");
+        brdffit_cli_json_null(json, "merl_samples");
+        return;
+    }
+    brdffit_cli_json_string(json, "merl_bins",
+                            brdffit_cli_choice_name(brdffit_cli_bins_choices, (int)table->merl_bins));
+    brdffit_cli_json_string(json, "merl_samples", settings->merl_samples);
+}
+
+void brdffit_cli_json_skipped(cli_json *json, const size_t *skipped, const brdffit_table *table)
+{
+    brdffit_cli_json_open(json, "samples_skipped", '{');
+    for (int i = 0; i < BRDFFIT_SKIP_COUNT; i++)
+        brdffit_cli_json_count(json, brdffit_skip_string((brdffit_skip)i), skipped[i]);
+    for (int i = 0; i < BRDFFIT_IO_DROP_COUNT; i++)
+        brdffit_cli_json_count(json, brdffit_io_drop_string((brdffit_io_drop)i),
+                               table->dropped[i]);
+    brdffit_cli_json_close(json, '}');
+}
+
+static void parameters(cli_json *json, const brdffit_result *result)
+{
+    const brdffit_model *const model = &result->model;
+    const size_t lobes = (size_t)model->lobes;
+    brdffit_cli_json_numbers(json, "sigma", model->sigma, lobes);
+    brdffit_cli_json_numbers(json, "x", model->x, model->channels);
+    brdffit_cli_json_open(json, "y", '[');
+    for (size_t k = 0; k < model->channels; k++)
+        brdffit_cli_json_numbers(json, NULL, model->y + k * lobes, lobes);
+    brdffit_cli_json_close(json, ']');
+    brdffit_cli_json_numbers(json, "channel_scale", result->channel_scale, model->channels);
+    brdffit_cli_json_number(json, "e2", result->e2);
+    brdffit_cli_json_number(json, "lower_bound", result->lower_bound);
+    brdffit_cli_json_number(json, "gap", result->gap);
+    brdffit_cli_json_numbers(json, "rms", result->rms, model->channels);
+    brdffit_cli_json_number(json, "rms_total", result->rms_total);
+    brdffit_cli_json_number(json, "sum_of_squares", result->sum_of_squares);
+    brdffit_cli_json_number(json, "kkt_residual", result->kkt_residual);
+}
+
+static void lobes(cli_json *json, const brdffit_result *result)
+{
+    const int count = result->model.lobes;
+    brdffit_cli_json_open(json, "weight", '[');
+    for (int p = 0; p < count; p++)
+        brdffit_cli_json_number(json, NULL, result->lobe[p].weight);
+    brdffit_cli_json_close(json, ']');
+    brdffit_cli_json_open(json, "effective_samples", '[');
+    for (int p = 0; p < count; p++)
+        brdffit_cli_json_number(json, NULL, result->lobe[p].effective_samples);
+    brdffit_cli_json_close(json, ']');
+    brdffit_cli_json_open(json, "sigma_interval", '[');
+    for (int p = 0; p < count; p++) {
+        const double ends[2] = {result->lobe[p].sigma_low, result->lobe[p].sigma_high};
+        brdffit_cli_json_numbers(json, NULL, ends, 2);
+    }
+    brdffit_cli_json_close(json, ']');
+    brdffit_cli_json_open(json, "warnings", '[');
+    for (int p = 0; p < count; p++) {
+        brdffit_cli_json_open(json, NULL, '[');
+        for (unsigned bit = 1; bit != 0 && bit <= result->lobe[p].warnings; bit <<= 1)
+            if (result->lobe[p].warnings & bit)
+                brdffit_cli_json_string(json, NULL, brdffit_cli_warning_name(bit));
+        brdffit_cli_json_close(json, ']');
+    }
+    brdffit_cli_json_close(json, ']');
+}
+
+static void options(cli_json *json, const brdffit_options *o)
+{
+    const double range[2] = {o->sigma_min, o->sigma_max};
+    brdffit_cli_json_string(json, "normalise",
+                            brdffit_cli_choice_name(brdffit_cli_normalise_choices, (int)o->normalise));
+    brdffit_cli_json_numbers(json, "sigma_range", range, 2);
+    brdffit_cli_json_number(json, "relative_gap", o->relative_gap);
+    brdffit_cli_json_number(json, "absolute_gap", o->absolute_gap);
+    brdffit_cli_json_number(json, "sigma_resolution", o->sigma_resolution);
+    brdffit_cli_json_count(json, "box_budget", o->box_budget);
+    brdffit_cli_json_number(json, "max_incidence", o->max_incidence);
+}
+
+static void result_members(cli_json *json, const cli_job *job, const cli_fitter *fitter)
+{
+    const brdffit_result *const result = &job->result;
+    parameters(json, result);
+    brdffit_cli_json_count(json, "samples_used", result->samples_used);
+    brdffit_cli_json_skipped(json, result->samples_skipped, job->table);
+    brdffit_cli_json_count(json, "boxes", result->boxes);
+    brdffit_cli_json_count(json, "nodes", result->nodes);
+    brdffit_cli_json_count(json, "distinct_c", result->distinct_c);
+    brdffit_cli_json_string(json, "stop", brdffit_stop_string(result->stop));
+    lobes(json, result);
+    brdffit_cli_json_channels(json, job->table);
+    options(json, &fitter->options);
+    brdffit_cli_json_source(json, job, fitter->settings);
+    if (job->table->format == BRDFFIT_IO_FORMAT_MERL && fitter->io.directions != NULL)
+        directions(json, fitter->io.directions);
+}
+
+void brdffit_cli_json_fit(cli_text *text, const cli_job *job, const cli_fitter *fitter)
+{
+    cli_json json = {text, 0};
+    const int fitted = job->status == BRDFFIT_OK && !job->not_begun;
+    brdffit_cli_json_open(&json, NULL, '{');
+    brdffit_cli_json_string(&json, "schema", "brdffit.fit/1");
+    brdffit_cli_json_path(&json, job->path);
+    brdffit_cli_json_string(&json, "status",
+                            !fitted ? "error"
+                                    : job->result.certified ? "certified" : "gap_open");
+    if (!fitted)
+        brdffit_cli_json_error(&json, job);
+    brdffit_cli_json_string(&json, "distribution",
+                            brdffit_distribution_string(fitter->options.distribution));
+    brdffit_cli_json_string(&json, "norm", brdffit_norm_string(fitter->options.norm));
+    brdffit_cli_json_count(&json, "lobes", (size_t)fitter->options.lobes);
+    if (fitted)
+        result_members(&json, job, fitter);
+    if (!job->not_begun) {
+        brdffit_cli_json_open(&json, "seconds", '{');
+        brdffit_cli_json_number(&json, "read", job->read_seconds);
+        brdffit_cli_json_number(&json, "reduce", job->reduce_seconds);
+        brdffit_cli_json_number(&json, "search", job->search_seconds);
+        brdffit_cli_json_close(&json, '}');
+    }
+    brdffit_cli_json_close(&json, '}');
+    brdffit_cli_text_puts(text, "\n");
+}

@@ -1,0 +1,38 @@
+/* json_read.h: fits read back from their JSON lines.
+ * SPDX-License-Identifier: MIT */
+#ifndef BRDFFIT_CLI_JSON_READ_H
+#define BRDFFIT_CLI_JSON_READ_H
+
+#include <cjson/cJSON.h>
+
+#include "settings.h"
+
+/* A fit as its line records it. All pointers belong to the struct. */
+typedef struct cli_fit {
+    brdffit_model model; /* x and y point into `numbers` */
+    const double *channel_scale;
+    const double *rms;
+    double e2;
+    double max_incidence;
+    char **names;       /* K names of channels, or NULL when the line has none */
+    int quantity;       /* CLI_UNSET, or a brdffit_quantity */
+    int merl_bins;
+    int merl_sampling;
+    brdffit_samples directions; /* for BRDFFIT_IO_MERL_DIRECTIONS */
+    size_t line;        /* which fit of its file, from 1 */
+    double *numbers;    /* storage */
+    double *vectors;    /* storage of directions */
+} cli_fit;
+
+/* Find the fit of `file` in the JSON of `path` ("-": standard input): number
+ * `select` if that is not 0; else the one whose "file" is `file`, or has its
+ * last component when only one does; else the only one. Returns 0, or an
+ * exit code when the reason is on stderr. */
+int brdffit_cli_fit_read(cli_fit *fit, const char *path, const char *file, size_t select);
+
+/* Read fit number fit->line from its JSON object; the same answers. */
+int brdffit_cli_fit_parse(cli_fit *fit, const cJSON *object, const char *path);
+
+void brdffit_cli_fit_free(cli_fit *fit);
+
+#endif

@@ -1,0 +1,39 @@
+/* output.h: where results go. A file is written whole or not at all: beside
+ * its target under a temporary name, synced, then renamed.
+ * SPDX-License-Identifier: MIT */
+#ifndef BRDFFIT_CLI_OUTPUT_H
+#define BRDFFIT_CLI_OUTPUT_H
+
+#include <stdio.h>
+
+#include "text.h"
+
+typedef struct cli_output {
+    FILE *file;
+    char *target;    /* resolved path to rename to; NULL: nothing to rename */
+    char *temporary; /* NULL once renamed or removed */
+    const char *shown; /* the name for messages */
+} cli_output;
+
+/* `path` NULL or "-": standard output. A target that exists and is no
+ * regular file (a pipe, a device) is written directly. 0 on success,
+ * otherwise the reason is on stderr. */
+int brdffit_cli_output_open(cli_output *output, const char *path);
+
+/* Write and flush. 0 on success; otherwise the reason is on stderr, save for
+ * a reader that went away (EPIPE), which is no news to anybody. */
+int brdffit_cli_output_write(cli_output *output, const cli_text *text);
+
+/* The same without flushing, for long tables. */
+int brdffit_cli_output_add(cli_output *output, const cli_text *text);
+
+/* Finish: sync and rename. 0 on success. */
+int brdffit_cli_output_commit(cli_output *output);
+
+/* Give up: the target stays as it was. */
+void brdffit_cli_output_abandon(cli_output *output);
+
+/* Flush and close standard output; 0 when all of it arrived. */
+int brdffit_cli_close_stdout(void);
+
+#endif

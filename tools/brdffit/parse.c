@@ -1,0 +1,288 @@
+/* parse.c: argv -> settings. Options may stand anywhere, take their value as
+ * --name value or --name=value, and end at "--".
+ * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "settings.h"
+#include "suggest.h"
+
+typedef struct parser {
+    unsigned command;
+    const char *command_name;
+    cli_settings *settings;
+} parser;
+
+static cli_parse usage(const parser *p)
+{
+    fprintf(stderr, "Try 'brdffit %s --help'.\n", p->command_name);
+    return CLI_PARSE_FAILED;
+}
+
+int brdffit_cli_number(const char *text, double *value)
+{
+    /* strtod alone would take hexadecimal, "inf", "nan" and leading blanks. */
+    if (*text == '\0' || text[strspn(text, "+-.0123456789eE")] != '\0')
+        return 0;
+    char *end;
+    const double number = strtod(text, &end);
+    if (end == text || *end != '\0' || !(number >= -1e308 && number <= 1e308))
+        return 0;
+    *value = number;
+    return 1;
+}
+
+/* ---- Names ------------------------------------------------------------- */
+
+static cli_parse unknown_option(const parser *p, const char *shown, const char *name)
+{
+    for (const cli_option *o = brdffit_cli_options; o->name != NULL; o++)
+        if (!o->hidden && strcmp(o->name, name) == 0) {
+            fprintf(stderr, "brdffit %s: --%s does not apply to '%s'\n", p->command_name, name,
+                    p->command_name);
+            return usage(p);
+        }
+    cli_suggestion near = {0};
+    for (const cli_option *o = brdffit_cli_options; o->name != NULL; o++)
+        if (!o->hidden && (o->commands & p->command))
+            brdffit_cli_suggest(&near, name, o->name);
+    fprintf(stderr, "brdffit %s: unknown option '%s'", p->command_name, shown);
+    if (near.word != NULL)
+        fprintf(stderr, "; did you mean '--%s'?", near.word);
+    fputc('\n', stderr);
+    return usage(p);
+}
+
+static const cli_option *find_long(const parser *p, const char *name, size_t length)
+{
+    for (const cli_option *o = brdffit_cli_options; o->name != NULL; o++)
+        if ((o->commands & p->command) && strlen(o->name) == length &&
+            strncmp(o->name, name, length) == 0)
+            return o;
+    return NULL;
+}
+
+static const cli_option *find_short(const parser *p, char letter)
+{
+    for (const cli_option *o = brdffit_cli_options; o->name != NULL; o++)
+        if ((o->commands & p->command) && o->letter != 0 && o->letter == letter)
+            return o;
+    return NULL;
+}
+
+/* ---- Values ------------------------------------------------------------ */
+
+static cli_parse bad_choice(const parser *p, const cli_option *o, const char *text)
+{
+    fprintf(stderr, "brdffit %s: --%s does not take '%s'; valid values:", p->command_name, o->name,
+            text);
+    cli_suggestion near = {0};
+    const char *separator = " ";
+    for (const cli_choice *c = o->choices; c->name != NULL; c++) {
+        brdffit_cli_suggest(&near, text, c->name);
+        if (c->hidden)
+            continue;
+        fprintf(stderr, "%s%s", separator, c->name);
+        separator = ", ";
+    }
+    if (near.word != NULL)
+        fprintf(stderr, "; did you mean '%s'?", near.word);
+    fputc('\n', stderr);
+    return usage(p);
+}
+
+static cli_parse bad_number(const parser *p, const cli_option *o, const char *text)
+{
+    fprintf(stderr, "brdffit %s: --%s does not take '%s'; valid values: ", p->command_name, o->name,
+            text);
+    if (o->kind == CLI_COUNT)
+        fputs("whole numbers from 1", stderr);
+    else if (o->high >= 1e300)
+        fprintf(stderr, "numbers %s %g", o->low_open ? "above" : "from", o->low);
+    else
+        fprintf(stderr, "numbers %s %g %s %g", o->low_open ? "above" : "from", o->low,
+                o->low_open ? "up to" : "to", o->high);
+    fprintf(stderr, "%s\n", o->kind == CLI_DEGREES ? ", or off" : "");
+    return usage(p);
+}
+
+static int whole_number(const char *text, size_t *value)
+{
+    double number;
+    if (!brdffit_cli_number(text, &number) || !(number >= 1 && number <= 9e15))
+        return 0;
+    *value = (size_t)number;
+    return (double)*value == number;
+}
+
+static cli_parse set_value(const parser *p, const cli_option *o, const char *text)
+{
+    char *const member = (char *)p->settings + o->offset;
+    double number;
+    switch (o->kind) {
+    case CLI_HELP: return CLI_PARSED_HELP;
+    case CLI_FLAG: *(int *)(void *)member = 1; return CLI_PARSED;
+    case CLI_STRING: *(const char **)(void *)member = text; return CLI_PARSED;
+    case CLI_CHOICE:
+        for (const cli_choice *c = o->choices; c->name != NULL; c++)
+            if (strcmp(c->name, text) == 0) {
+                *(int *)(void *)member = c->value;
+                return CLI_PARSED;
+            }
+        return bad_choice(p, o, text);
+    case CLI_COUNT:
+        return whole_number(text, (size_t *)(void *)member) ? CLI_PARSED : bad_number(p, o, text);
+    case CLI_DEGREES:
+    case CLI_NUMBER:
+        if (o->kind == CLI_DEGREES && strcmp(text, "off") == 0)
+            number = 90;
+        else if (!brdffit_cli_number(text, &number) || !(number >= o->low && number <= o->high) ||
+                 (o->low_open && !(number > o->low)))
+            return bad_number(p, o, text);
+        *(double *)(void *)member = number;
+        return CLI_PARSED;
+    }
+    return CLI_PARSE_FAILED;
+}
+
+/* ---- Arguments --------------------------------------------------------- */
+
+/* One option at argv[*at]; moves *at to the last argument that it took. */
+static cli_parse parse_option(const parser *p, int argc, char **argv, int *at)
+{
+    const char *const given = argv[*at];
+    const cli_option *option;
+    const char *value = NULL;
+    if (given[1] == '-') {
+        const size_t length = strcspn(given + 2, "=");
+        option = find_long(p, given + 2, length);
+        if (given[2 + length] == '=')
+            value = given + 3 + length;
+        if (option == NULL) {
+            char name[64] = "";
+            memcpy(name, given + 2, length < sizeof name ? length : sizeof name - 1);
+            return unknown_option(p, given, name);
+        }
+    } else {
+        option = find_short(p, given[1]);
+        if (option == NULL)
+            return unknown_option(p, given, given + 1);
+        if (given[2] != '\0')
+            value = given + 2 + (given[2] == '=');
+    }
+    const int takes_value = option->kind != CLI_FLAG && option->kind != CLI_HELP;
+    if (!takes_value && value != NULL) {
+        fprintf(stderr, "brdffit %s: --%s takes no value\n", p->command_name, option->name);
+        return usage(p);
+    }
+    if (takes_value && value == NULL) {
+        if (*at + 1 >= argc) {
+            fprintf(stderr, "brdffit %s: --%s needs a value: %s\n", p->command_name, option->name,
+                    option->value);
+            return usage(p);
+        }
+        value = argv[++*at];
+    }
+    return set_value(p, option, value);
+}
+
+static void set_defaults(cli_settings *settings)
+{
+    brdffit_options fit;
+    brdffit_options_init(&fit);
+    memset(settings, 0, sizeof *settings);
+    settings->lobes = fit.lobes;
+    settings->distribution = (int)fit.distribution;
+    settings->norm = (int)fit.norm;
+    settings->normalise = (int)fit.normalise;
+    settings->sigma_min = fit.sigma_min;
+    settings->sigma_max = fit.sigma_max;
+    settings->gap = fit.relative_gap;
+    settings->absolute_gap = fit.absolute_gap;
+    settings->resolution = fit.sigma_resolution;
+    settings->max_incidence = fit.max_incidence;
+    settings->box_budget = fit.box_budget;
+    settings->values = CLI_UNSET;
+    settings->format = BRDFFIT_IO_FORMAT_AUTO;
+    settings->merl_bins = BRDFFIT_IO_MERL_EDGE;
+    settings->merl_samples = "table";
+}
+
+/* Measurements are not to be lost to a slip of the keyboard. */
+static cli_parse check_output(const parser *p)
+{
+    const cli_settings *s = p->settings;
+    struct stat output, input;
+    if (s->output == NULL || stat(s->output, &output) != 0 || !S_ISREG(output.st_mode))
+        return CLI_PARSED;
+    for (size_t i = 0; i < s->file_count; i++)
+        if (stat(s->files[i], &input) == 0 && input.st_dev == output.st_dev &&
+            input.st_ino == output.st_ino) {
+            fprintf(stderr, "brdffit %s: --output %s would replace the input %s\n",
+                    p->command_name, s->output, s->files[i]);
+            return usage(p);
+        }
+    return CLI_PARSED;
+}
+
+/* What no single option can see. */
+static cli_parse check_together(const parser *p)
+{
+    const cli_settings *s = p->settings;
+    size_t standard_inputs = 0;
+    for (size_t i = 0; i < s->file_count; i++)
+        standard_inputs += strcmp(s->files[i], "-") == 0;
+    if (s->file_count == 0) {
+        fprintf(stderr, "brdffit %s: no FILE given\n", p->command_name);
+        return usage(p);
+    }
+    if (p->command == CLI_EVAL && s->file_count != 2) {
+        fprintf(stderr, "brdffit eval: needs two files, FIT.json and FILE, not %zu\n",
+                s->file_count);
+        return usage(p);
+    }
+    if (standard_inputs > 1) {
+        fprintf(stderr, "brdffit %s: standard input ('-') can be read only once\n",
+                p->command_name);
+        return usage(p);
+    }
+    if (!(s->sigma_min <= s->sigma_max)) {
+        fprintf(stderr, "brdffit %s: --sigma-min %g is above --sigma-max %g\n", p->command_name,
+                s->sigma_min, s->sigma_max);
+        return usage(p);
+    }
+    if (*s->merl_samples == '\0' || (s->output != NULL && *s->output == '\0')) {
+        fprintf(stderr, "brdffit %s: --merl-samples and --output need a file's name\n",
+                p->command_name);
+        return usage(p);
+    }
+    return check_output(p);
+}
+
+cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int argc, char **argv,
+                            cli_settings *settings)
+{
+    const parser p = {command, command_name, settings};
+    set_defaults(settings);
+    settings->files = calloc((size_t)argc + 1, sizeof *settings->files);
+    if (settings->files == NULL) {
+        fprintf(stderr, "brdffit: out of memory\n");
+        return CLI_PARSE_FAILED;
+    }
+    int options_ended = 0;
+    for (int at = 1; at < argc; at++) {
+        if (options_ended || argv[at][0] != '-' || argv[at][1] == '\0')
+            settings->files[settings->file_count++] = argv[at];
+        else if (strcmp(argv[at], "--") == 0)
+            options_ended = 1;
+        else {
+            const cli_parse answer = parse_option(&p, argc, argv, &at);
+            if (answer != CLI_PARSED)
+                return answer;
+        }
+    }
+    return check_together(&p);
+}

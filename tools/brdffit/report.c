@@ -1,0 +1,184 @@
+/* report.c: a fit as a table that a person can read. Channels are rows, so
+ * that any number of them fits on 80 columns.
+ * SPDX-License-Identifier: MIT */
+#include "report.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "sample.h"
+#include "words.h"
+
+#define NUMBER_WIDTH 12
+#define LONGEST_CHANNEL 16
+
+void brdffit_cli_cell(cli_text *text, cli_style style, const char *string, int width)
+{
+    const size_t wanted = (size_t)(width < 0 ? -width : width);
+    const size_t taken = brdffit_cli_width(style, string);
+    const size_t pad = taken < wanted ? wanted - taken : 0;
+    if (width > 0)
+        brdffit_cli_text_pad(text, pad);
+    brdffit_cli_text_puts(text, string);
+    if (width < 0)
+        brdffit_cli_text_pad(text, pad);
+}
+
+void brdffit_cli_number_cell(cli_text *text, double value, int digits, int width)
+{
+    brdffit_cli_text_printf(text, "%*.*g", width, digits, value);
+}
+
+int brdffit_cli_channel_width(cli_style style, const brdffit_table *table)
+{
+    size_t width = strlen("channel");
+    for (size_t k = 0; k < table->samples.channels; k++) {
+        const size_t taken = brdffit_cli_width(style, table->channel_names[k]);
+        width = taken > width ? taken : width;
+    }
+    return (int)(width > LONGEST_CHANNEL ? LONGEST_CHANNEL : width);
+}
+
+void brdffit_cli_channel_cell(cli_text *text, cli_style style, const brdffit_table *table,
+                              size_t channel, int width)
+{
+    cli_text name = {0};
+    brdffit_cli_name(&name, style, table->channel_names[channel]);
+    size_t keep = 0, columns = 0;
+    const char *string = brdffit_cli_text_string(&name);
+    while (string[keep] && columns < (size_t)width) {
+        const size_t length = brdffit_cli_utf8_length(string + keep);
+        keep += length == 0 ? 1 : length;
+        columns++;
+    }
+    brdffit_cli_text_add(text, string, keep);
+    brdffit_cli_text_pad(text, (size_t)width - columns);
+    text->failed |= name.failed;
+    brdffit_cli_text_free(&name);
+}
+
+void brdffit_cli_report_title(cli_text *text, cli_style style, const cli_job *job, size_t used,
+                              const size_t *skipped, double max_incidence, const char *verb)
+{
+    cli_text title = {0}, reasons = {0};
+    brdffit_cli_name(&title, style, strcmp(job->path, "-") == 0 ? "standard input" : job->path);
+    brdffit_cli_ink(text, style, CLI_BOLD, brdffit_cli_text_string(&title));
+    brdffit_cli_text_puts(text, ": ");
+    brdffit_cli_grouped(text, used);
+    brdffit_cli_text_puts(text, " of ");
+    brdffit_cli_grouped(text, brdffit_cli_entries(job->table));
+    brdffit_cli_text_printf(text, " samples %s\n", verb);
+    if (brdffit_cli_skipped(&reasons, style, skipped, job->table, max_incidence) > 0)
+        brdffit_cli_paragraph(text, style, CLI_BOLD, "Skipped:", brdffit_cli_text_string(&reasons));
+    text->failed |= title.failed | reasons.failed;
+    brdffit_cli_text_free(&title);
+    brdffit_cli_text_free(&reasons);
+}
+
+static void lobe_table(cli_text *text, cli_style style, const brdffit_result *result)
+{
+    brdffit_cli_text_puts(text, "\n  lobe");
+    brdffit_cli_cell(text, style, brdffit_cli_glyph(style, CLI_SIGMA), 15);
+    brdffit_cli_text_puts(text, "   share w   effective samples\n");
+    for (int p = 0; p < result->model.lobes; p++) {
+        const brdffit_lobe *const lobe = &result->lobe[p];
+        brdffit_cli_text_printf(text, "  %-4d%15.8g%8.1f %%%20.4g\n", p + 1, lobe->sigma,
+                                100 * lobe->weight, lobe->effective_samples);
+    }
+}
+
+/* Largest used radiance of a channel: the scale of --normalise max. */
+static double channel_maximum(const cli_job *job, const brdffit_options *options, size_t channel)
+{
+    const brdffit_samples *const samples = &job->table->samples;
+    if (options->normalise == BRDFFIT_NORMALISE_MAX)
+        return job->result.channel_scale[channel];
+    double maximum = 0;
+    for (size_t i = 0; i < samples->count; i++) {
+        const double value = samples->values[i * samples->channels + channel];
+        if (!brdffit_cli_is_used(samples, options, i))
+            continue;
+        const double radiance = value * brdffit_cli_to_radiance(samples, i);
+        maximum = radiance > maximum ? radiance : maximum;
+    }
+    return maximum;
+}
+
+static void channel_table(cli_text *text, cli_style style, const cli_job *job,
+                          const brdffit_options *options)
+{
+    const brdffit_result *const result = &job->result;
+    const int lobes = result->model.lobes;
+    const int width = brdffit_cli_channel_width(style, job->table);
+    brdffit_cli_text_puts(text, "\n  ");
+    brdffit_cli_cell(text, style, "channel", -width);
+    brdffit_cli_cell(text, style, "diffuse x", NUMBER_WIDTH);
+    for (int p = 0; p < lobes; p++) {
+        char title[24];
+        (void)snprintf(title, sizeof title, "lobe %d y", p + 1);
+        brdffit_cli_cell(text, style, title, NUMBER_WIDTH);
+    }
+    brdffit_cli_cell(text, style, "RMS", NUMBER_WIDTH);
+    brdffit_cli_cell(text, style, "of max", NUMBER_WIDTH);
+    brdffit_cli_text_puts(text, "\n");
+    for (size_t k = 0; k < result->model.channels; k++) {
+        brdffit_cli_text_puts(text, "  ");
+        brdffit_cli_channel_cell(text, style, job->table, k, width);
+        brdffit_cli_number_cell(text, result->model.x[k], 5, NUMBER_WIDTH);
+        for (int p = 0; p < lobes; p++)
+            brdffit_cli_number_cell(text, result->model.y[k * (size_t)lobes + (size_t)p], 5,
+                                    NUMBER_WIDTH);
+        brdffit_cli_number_cell(text, result->rms[k], 3, NUMBER_WIDTH);
+        const double maximum = channel_maximum(job, options, k);
+        if (maximum > 0 && result->rms[k] >= 0) {
+            brdffit_cli_number_cell(text, 100 * result->rms[k] / maximum, 3, NUMBER_WIDTH - 2);
+            brdffit_cli_text_puts(text, " %");
+        } else
+            brdffit_cli_cell(text, style, brdffit_cli_glyph(style, CLI_DASH), NUMBER_WIDTH);
+        brdffit_cli_text_puts(text, "\n");
+    }
+}
+
+static void add_stop(cli_text *text, brdffit_stop stop, const brdffit_options *options)
+{
+    if (stop == BRDFFIT_STOP_RELATIVE_GAP)
+        brdffit_cli_text_printf(text, "at relative gap\t%g", options->relative_gap);
+    else if (stop == BRDFFIT_STOP_ABSOLUTE_GAP)
+        brdffit_cli_text_printf(text, "at absolute gap\t%g", options->absolute_gap);
+    else
+        brdffit_cli_text_printf(text, "by %s", brdffit_stop_string(stop));
+}
+
+static void effort(cli_text *text, cli_style style, const cli_job *job,
+                   const brdffit_options *options)
+{
+    cli_text words = {0};
+    brdffit_cli_grouped(&words, job->result.boxes);
+    brdffit_cli_text_printf(&words, " box%s, ", job->result.boxes == 1 ? "" : "es");
+    brdffit_cli_grouped(&words, job->result.nodes);
+    brdffit_cli_text_printf(&words, " node%s, stopped ", job->result.nodes == 1 ? "" : "s");
+    add_stop(&words, job->result.stop, options);
+    brdffit_cli_text_puts(&words, "; read ");
+    brdffit_cli_duration(&words, job->read_seconds);
+    brdffit_cli_text_puts(&words, ", reduce ");
+    brdffit_cli_duration(&words, job->reduce_seconds);
+    brdffit_cli_text_puts(&words, ", search ");
+    brdffit_cli_duration(&words, job->search_seconds);
+    brdffit_cli_paragraph(text, style, CLI_BOLD, "Search:", brdffit_cli_text_string(&words));
+    text->failed |= words.failed;
+    brdffit_cli_text_free(&words);
+}
+
+void brdffit_cli_report_fit(cli_text *text, cli_style style, const cli_job *job,
+                            const cli_fitter *fitter)
+{
+    const brdffit_result *const result = &job->result;
+    brdffit_cli_report_title(text, style, job, result->samples_used, result->samples_skipped,
+                             fitter->options.max_incidence, "used");
+    lobe_table(text, style, result);
+    channel_table(text, style, job, &fitter->options);
+    brdffit_cli_text_puts(text, "\n");
+    brdffit_cli_certificate(text, style, result, &fitter->options);
+    brdffit_cli_warnings(text, style, result, &fitter->options);
+    effort(text, style, job, &fitter->options);
+}

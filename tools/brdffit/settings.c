@@ -1,0 +1,152 @@
+/* settings.c: the table of options, and what they mean to the libraries.
+ * SPDX-License-Identifier: MIT */
+#include "settings.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const cli_choice lobes[] = {{"1", 1, 0}, {"2", 2, 0}, {NULL, 0, 0}};
+static const cli_choice norms[] = {{"l2", BRDFFIT_NORM_L2, 0}, {NULL, 0, 0}};
+
+const cli_choice brdffit_cli_distribution_choices[] = {
+    {"beckmann", BRDFFIT_BECKMANN, 0}, {"ggx", BRDFFIT_GGX, 0}, {NULL, 0, 0}};
+const cli_choice brdffit_cli_normalise_choices[] = {
+    {"max", BRDFFIT_NORMALISE_MAX, 0}, {"none", BRDFFIT_NORMALISE_NONE, 0}, {NULL, 0, 0}};
+const cli_choice brdffit_cli_quantity_choices[] = {
+    {"brdf", BRDFFIT_QUANTITY_BRDF, 0}, {"radiance", BRDFFIT_QUANTITY_RADIANCE, 0}, {NULL, 0, 0}};
+const cli_choice brdffit_cli_bins_choices[] = {{"edge", BRDFFIT_IO_MERL_EDGE, 0},
+                                               {"centre", BRDFFIT_IO_MERL_CENTRE, 0},
+                                               {"center", BRDFFIT_IO_MERL_CENTRE, 1},
+                                               {NULL, 0, 0}};
+const cli_choice brdffit_cli_format_choices[] = {{"auto", BRDFFIT_IO_FORMAT_AUTO, 0},
+                                                 {"csv", BRDFFIT_IO_FORMAT_CSV, 0},
+                                                 {"merl", BRDFFIT_IO_FORMAT_MERL, 0},
+                                                 {NULL, 0, 0}};
+
+#define AT(member) offsetof(cli_settings, member)
+#define ALL (CLI_FIT | CLI_EVAL | CLI_INFO)
+#define CHOICE(name, commands, hidden, member, choices, value, help) \
+    {name, 0, CLI_CHOICE, commands, hidden, AT(member), 0, 0, 0, choices, value, help}
+#define NUMBER(name, kind, member, low, open, high, value, help) \
+    {name, 0, kind, CLI_FIT, 0, AT(member), low, high, open, NULL, value, help}
+#define PLAIN(name, letter, kind, commands, member, value, help) \
+    {name, letter, kind, commands, 0, AT(member), 0, 0, 0, NULL, value, help}
+
+const cli_option brdffit_cli_options[] = {
+    CHOICE("lobes", CLI_FIT, 0, lobes, lobes, "1|2", "specular lobes (default 1)"),
+    CHOICE("distribution", CLI_FIT, 0, distribution, brdffit_cli_distribution_choices,
+           "beckmann|ggx", "microfacet distribution (default beckmann)"),
+    CHOICE("norm", CLI_FIT, 0, norm, norms, "l2", "what is minimised (default l2)"),
+    NUMBER("sigma-min", CLI_NUMBER, sigma_min, 1e-12, 0, 1e3, "X",
+           "smallest roughness searched (default 1e-12)"),
+    NUMBER("sigma-max", CLI_NUMBER, sigma_max, 1e-12, 0, 1e3, "X",
+           "largest roughness searched (default 6)"),
+    NUMBER("gap", CLI_NUMBER, gap, 0, 1, 1e300, "X",
+           "certify E^2 to within this fraction of the\nproven bound (default 1e-3)"),
+    NUMBER("absolute-gap", CLI_NUMBER, absolute_gap, 0, 0, 1e300, "X",
+           "or to within this fraction of the data's sum\nof squares (default 1e-12)"),
+    NUMBER("resolution", CLI_NUMBER, resolution, 0, 0, 1e300, "X",
+           "do not split boxes narrower than this in\nevery sigma (default 0: off)"),
+    NUMBER("box-budget", CLI_COUNT, box_budget, 1, 0, 9e15, "N",
+           "most boxes to bound (default 1000000)"),
+    CHOICE("normalise", CLI_FIT, 0, normalise, brdffit_cli_normalise_choices, "max|none",
+           "divide each channel by its largest used\nradiance, or not (default max)"),
+    CHOICE("normalize", CLI_FIT, 1, normalise, brdffit_cli_normalise_choices, "", ""),
+    {"max-incidence", 0, CLI_DEGREES, CLI_FIT | CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL,
+     "DEG|off", "skip samples lit from further off the normal\n(default 60)"},
+    CHOICE("values", ALL, 0, values, brdffit_cli_quantity_choices, "brdf|radiance",
+           "what the file's values are: f_r, or f_r times\n"
+           "the light's cosine (default brdf; for files\nwith a,b,c radiance)"),
+    CHOICE("merl-bins", CLI_FIT | CLI_INFO, 0, merl_bins, brdffit_cli_bins_choices, "edge|centre",
+           "angle that a MERL entry stands for\n(default edge)"),
+    PLAIN("merl-samples", 0, CLI_STRING, CLI_FIT | CLI_INFO, merl_samples, "table|84|FILE.csv",
+          "use every cell of a MERL table, the paper's\n84 directions, or those of a file\n"
+          "(default table)"),
+    CHOICE("format", ALL, 0, format, brdffit_cli_format_choices, "auto|csv|merl",
+           "format of FILE (default auto: by content)"),
+    PLAIN("select", 0, CLI_COUNT, CLI_EVAL, select, "N",
+          "use line N of FIT.json, from 1 (default: the\nline whose \"file\" is FILE)"),
+    PLAIN("json", 0, CLI_FLAG, CLI_FIT | CLI_INFO, json, NULL, "one JSON object a line and file"),
+    PLAIN("quiet", 'q', CLI_FLAG, ALL, quiet, NULL, "no report, summary or progress; errors only"),
+    PLAIN("output", 'o', CLI_STRING, ALL, output, "FILE",
+          "write there, whole or not at all, instead of\nto standard output"),
+    {"help", 'h', CLI_HELP, ALL, 0, 0, 0, 0, 0, NULL, NULL, "show this"},
+    {NULL, 0, CLI_FLAG, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL},
+};
+
+void brdffit_cli_settings_free(cli_settings *settings)
+{
+    free((void *)settings->files);
+    settings->files = NULL;
+    settings->file_count = 0;
+}
+
+void brdffit_cli_fit_options(const cli_settings *settings, brdffit_options *options)
+{
+    brdffit_options_init(options);
+    options->lobes = settings->lobes;
+    options->distribution = (brdffit_distribution)settings->distribution;
+    options->norm = (brdffit_norm)settings->norm;
+    options->normalise = (brdffit_normalise)settings->normalise;
+    options->sigma_min = settings->sigma_min;
+    options->sigma_max = settings->sigma_max;
+    options->relative_gap = settings->gap;
+    options->absolute_gap = settings->absolute_gap;
+    options->sigma_resolution = settings->resolution;
+    options->box_budget = settings->box_budget;
+    options->max_incidence = settings->max_incidence;
+}
+
+void brdffit_cli_io_options(const cli_settings *settings, brdffit_io_options *options)
+{
+    brdffit_io_options_init(options);
+    options->format = (brdffit_io_format)settings->format;
+    options->quantity_set = settings->values != CLI_UNSET;
+    if (options->quantity_set)
+        options->quantity = (brdffit_quantity)settings->values;
+    options->merl_bins = (brdffit_io_merl_bins)settings->merl_bins;
+    if (strcmp(settings->merl_samples, "84") == 0)
+        options->merl_sampling = BRDFFIT_IO_MERL_PROTOCOL84;
+    else if (strcmp(settings->merl_samples, "table") == 0)
+        options->merl_sampling = BRDFFIT_IO_MERL_TABLE;
+    else
+        options->merl_sampling = BRDFFIT_IO_MERL_DIRECTIONS;
+}
+
+const char *brdffit_cli_choice_name(const cli_choice *choices, int value)
+{
+    for (; choices->name != NULL; choices++)
+        if (choices->value == value)
+            return choices->name;
+    return "unknown";
+}
+
+/* The left column: option and value; the right: its help, indented. */
+void brdffit_cli_option_help(cli_text *text, unsigned command)
+{
+    const size_t help_column = 32;
+    for (const cli_option *option = brdffit_cli_options; option->name != NULL; option++) {
+        if (option->hidden || !(option->commands & command))
+            continue;
+        const size_t start = text->size;
+        if (option->letter)
+            brdffit_cli_text_printf(text, "  -%c, --%s", option->letter, option->name);
+        else
+            brdffit_cli_text_printf(text, "  --%s", option->name);
+        if (option->value != NULL)
+            brdffit_cli_text_printf(text, " %s", option->value);
+        size_t column = text->size - start;
+        if (column + 2 > help_column) {
+            brdffit_cli_text_puts(text, "\n");
+            column = 0;
+        }
+        for (const char *line = option->help; *line;) {
+            const size_t length = strcspn(line, "\n");
+            brdffit_cli_text_pad(text, help_column - column);
+            brdffit_cli_text_add(text, line, length);
+            brdffit_cli_text_puts(text, "\n");
+            column = 0;
+            line += length + (line[length] == '\n');
+        }
+    }
+}

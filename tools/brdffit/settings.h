@@ -1,0 +1,107 @@
+/* settings.h: what the command line asked for. One table describes every
+ * option of every subcommand; parsing, help and suggestions read it.
+ * SPDX-License-Identifier: MIT */
+#ifndef BRDFFIT_CLI_SETTINGS_H
+#define BRDFFIT_CLI_SETTINGS_H
+
+#include <stddef.h>
+
+#include "brdffit.h"
+#include "brdffit_io.h"
+#include "text.h"
+
+/* Subcommands, as bits. */
+#define CLI_FIT 1u
+#define CLI_EVAL 2u
+#define CLI_INFO 4u
+
+/* An option that can be left out and was. */
+#define CLI_UNSET (-1)
+
+typedef struct cli_settings {
+    int lobes;
+    int distribution;
+    int norm;
+    int normalise;
+    double sigma_min;
+    double sigma_max;
+    double gap;
+    double absolute_gap;
+    double resolution;
+    double max_incidence;
+    size_t box_budget;
+    int values; /* CLI_UNSET, or a brdffit_quantity */
+    int format;
+    int merl_bins;
+    const char *merl_samples; /* "table", "84" or a file of directions */
+    int json;
+    int quiet;
+    const char *output; /* NULL: standard output */
+    size_t select;      /* line of the fits, from 1; 0: by the file's name */
+    const char **files; /* in the order given; the array is owned */
+    size_t file_count;
+} cli_settings;
+
+typedef enum cli_option_kind {
+    CLI_FLAG,
+    CLI_CHOICE,
+    CLI_NUMBER,
+    CLI_COUNT,
+    CLI_DEGREES, /* a number, or "off" for 90 */
+    CLI_STRING,
+    CLI_HELP
+} cli_option_kind;
+
+typedef struct cli_choice {
+    const char *name; /* NULL ends the list */
+    int value;
+    int hidden; /* another spelling of the one before */
+} cli_choice;
+
+typedef struct cli_option {
+    const char *name; /* without the dashes; NULL ends the table */
+    char letter;      /* 0: none */
+    cli_option_kind kind;
+    unsigned commands; /* CLI_FIT | ... */
+    int hidden;        /* another spelling of the option before */
+    size_t offset;     /* of the member of cli_settings */
+    double low, high;  /* CLI_NUMBER, CLI_DEGREES, CLI_COUNT */
+    int low_open;      /* `low` itself is not allowed */
+    const cli_choice *choices;
+    const char *value; /* shown in the help */
+    const char *help;  /* lines separated by \n */
+} cli_option;
+
+extern const cli_option brdffit_cli_options[];
+
+typedef enum cli_parse { CLI_PARSED, CLI_PARSED_HELP, CLI_PARSE_FAILED } cli_parse;
+
+/* Read argv[1..] of `command`. On failure the reason is on stderr. Release
+ * with brdffit_cli_settings_free() whatever the answer. */
+cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int argc, char **argv,
+                            cli_settings *settings);
+
+void brdffit_cli_settings_free(cli_settings *settings);
+
+/* The whole of `text` as a finite decimal number, whatever the locale says:
+ * the process never leaves the "C" LC_NUMERIC. 0 when it is not one. */
+int brdffit_cli_number(const char *text, double *value);
+
+/* What the settings mean to the libraries. Progress callbacks and MERL
+ * directions are the caller's to add. */
+void brdffit_cli_fit_options(const cli_settings *settings, brdffit_options *options);
+void brdffit_cli_io_options(const cli_settings *settings, brdffit_io_options *options);
+
+/* Name of a value in a list of choices. */
+const char *brdffit_cli_choice_name(const cli_choice *choices, int value);
+
+extern const cli_choice brdffit_cli_normalise_choices[];
+extern const cli_choice brdffit_cli_quantity_choices[];
+extern const cli_choice brdffit_cli_bins_choices[];
+extern const cli_choice brdffit_cli_format_choices[];
+extern const cli_choice brdffit_cli_distribution_choices[];
+
+/* The options of `command`, as its help shows them. */
+void brdffit_cli_option_help(cli_text *text, unsigned command);
+
+#endif

@@ -1,0 +1,301 @@
+/* words.c: what a result means, in words. SPDX-License-Identifier: MIT */
+#include "words.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+const char *brdffit_cli_warning_name(unsigned bit)
+{
+    switch (bit) {
+    case BRDFFIT_WARN_UNRESOLVED: return "unresolved";
+    case BRDFFIT_WARN_FLAT: return "flat";
+    case BRDFFIT_WARN_UNUSED: return "unused";
+    case BRDFFIT_WARN_AT_LIMIT: return "at_limit";
+    default: return "unknown";
+    }
+}
+
+void brdffit_cli_grouped(cli_text *text, size_t number)
+{
+    if (number >= 1000) {
+        brdffit_cli_grouped(text, number / 1000);
+        brdffit_cli_text_printf(text, ",%03zu", number % 1000);
+    } else
+        brdffit_cli_text_printf(text, "%zu", number);
+}
+
+void brdffit_cli_duration(cli_text *text, double seconds)
+{
+    if (!(seconds >= 0.00995))
+        brdffit_cli_text_printf(text, "%.2g\tms", 1e3 * seconds);
+    else if (seconds < 0.9995)
+        brdffit_cli_text_printf(text, "%.0f\tms", 1e3 * seconds);
+    else if (seconds < 99.5)
+        brdffit_cli_text_printf(text, "%.3g\ts", seconds);
+    else
+        brdffit_cli_text_printf(text, "%.0f\ts", seconds);
+}
+
+void brdffit_cli_directed(cli_text *text, double value, int digits, int up)
+{
+    char shown[64];
+    double shifted = value;
+    for (int attempt = 0; attempt < 4; attempt++) {
+        (void)snprintf(shown, sizeof shown, "%.*g", digits, shifted);
+        const double back = strtod(shown, NULL);
+        if (up ? back >= value : back <= value)
+            break;
+        /* One unit of the last digit, on the side that is wanted. */
+        const double unit = pow(10, floor(log10(fabs(value))) + 1 - digits);
+        shifted = back + (up ? unit : -unit);
+    }
+    brdffit_cli_text_puts(text, shown);
+}
+
+/* ---- Certificate ------------------------------------------------------- */
+
+static const char *distribution_title(brdffit_distribution distribution)
+{
+    return distribution == BRDFFIT_GGX ? "GGX" : "Beckmann";
+}
+
+/* "Beckmann fit with 2 lobes and σ in [1e-12, 6]" */
+static void add_family(cli_text *text, cli_style style, const brdffit_result *result,
+                       const brdffit_options *options)
+{
+    const int lobes = result->model.lobes;
+    brdffit_cli_text_printf(text, "%s fit with %d %s and %s in\t[%.6g,\t%.6g]",
+                            distribution_title(result->model.distribution), lobes,
+                            lobes == 1 ? "lobe" : "lobes", brdffit_cli_glyph(style, CLI_SIGMA),
+                            options->sigma_min, options->sigma_max);
+}
+
+/* Digits that show the two apart, and at least five. */
+static int telling_digits(double low, double high)
+{
+    if (!(low > 0 && high > low))
+        return 6;
+    const double digits = 2 - floor(log10(high / low - 1));
+    return digits < 5 ? 5 : digits > 17 ? 17 : (int)digits;
+}
+
+/* " (0.003 % above)" */
+static void add_above(cli_text *text, const brdffit_result *result)
+{
+    if (!(result->lower_bound > 0))
+        return;
+    const double above = 100 * (result->e2 / result->lower_bound - 1);
+    if (above > 0) {
+        brdffit_cli_text_puts(text, " (");
+        brdffit_cli_directed(text, above, 2, 1);
+        brdffit_cli_text_puts(text, "\t%\tabove)");
+    } else
+        brdffit_cli_text_puts(text, " (the same to rounding)");
+}
+
+static void proven_relative(cli_text *text, cli_style style, const brdffit_result *result,
+                            const brdffit_options *options)
+{
+    const int digits = telling_digits(result->lower_bound, result->e2);
+    if (!(result->e2 > 0)) {
+        brdffit_cli_text_printf(text, "this fit is exact, E%s is 0.",
+                                brdffit_cli_glyph(style, CLI_SQUARED));
+        return;
+    }
+    brdffit_cli_text_puts(text, "no ");
+    add_family(text, style, result, options);
+    brdffit_cli_text_printf(text, " has E%s below ", brdffit_cli_glyph(style, CLI_SQUARED));
+    brdffit_cli_directed(text, result->lower_bound, digits, 0);
+    brdffit_cli_text_puts(text, "; this one has ");
+    brdffit_cli_directed(text, result->e2, digits, 1);
+    add_above(text, result);
+    brdffit_cli_text_puts(text, ".");
+}
+
+static void proven_absolute(cli_text *text, cli_style style, const brdffit_result *result,
+                            const brdffit_options *options)
+{
+    const char *squared = brdffit_cli_glyph(style, CLI_SQUARED);
+    if (!(result->e2 > 0 && result->sum_of_squares > 0)) {
+        brdffit_cli_text_printf(text, "this fit is exact, E%s is 0.", squared);
+        return;
+    }
+    const double share = result->gap / result->sum_of_squares;
+    brdffit_cli_text_printf(text, "E%s is ", squared);
+    brdffit_cli_directed(text, result->e2, 3, 1);
+    brdffit_cli_text_printf(text, ", the data's sum of squares %.6g", result->sum_of_squares);
+    if (result->e2 <= 1e-20 * result->sum_of_squares)
+        brdffit_cli_text_puts(text, ": zero to rounding");
+    if (share > 0) {
+        brdffit_cli_text_puts(text, "; no ");
+        add_family(text, style, result, options);
+        brdffit_cli_text_puts(text, " can lower it by more than ");
+        brdffit_cli_directed(text, share, 2, 1);
+        brdffit_cli_text_puts(text, " of that sum");
+    }
+    brdffit_cli_text_puts(text, ".");
+}
+
+static void add_stop(cli_text *text, cli_style style, const brdffit_result *result,
+                     const brdffit_options *options)
+{
+    switch (result->stop) {
+    case BRDFFIT_STOP_RESOLUTION:
+        brdffit_cli_text_printf(text, "every box left is narrower than --resolution %.6g",
+                                options->sigma_resolution);
+        return;
+    case BRDFFIT_STOP_ROUNDING:
+        brdffit_cli_text_puts(text, "the boxes left cannot be split further in double precision");
+        return;
+    case BRDFFIT_STOP_BUDGET:
+        brdffit_cli_text_puts(text, "the box budget of ");
+        brdffit_cli_grouped(text, options->box_budget);
+        brdffit_cli_text_puts(text, " was used up");
+        return;
+    case BRDFFIT_STOP_MEMORY:
+        brdffit_cli_text_printf(text, "its table of %s values was full",
+                                brdffit_cli_glyph(style, CLI_SIGMA));
+        return;
+    case BRDFFIT_STOP_CANCELLED: brdffit_cli_text_puts(text, "it was interrupted"); return;
+    default: brdffit_cli_text_puts(text, brdffit_stop_string(result->stop)); return;
+    }
+}
+
+static const char *advice(brdffit_stop stop)
+{
+    switch (stop) {
+    case BRDFFIT_STOP_RESOLUTION: return " Lower --resolution to close the gap.";
+    case BRDFFIT_STOP_ROUNDING: return " A larger --gap can be proven.";
+    case BRDFFIT_STOP_BUDGET: return " Raise --box-budget to close the gap.";
+    case BRDFFIT_STOP_MEMORY: return " A larger --gap or a narrower range of roughness needs less.";
+    default: return "";
+    }
+}
+
+static void not_proven(cli_text *text, cli_style style, const brdffit_result *result,
+                       const brdffit_options *options)
+{
+    const int digits = telling_digits(result->lower_bound, result->e2);
+    brdffit_cli_text_puts(text, "the search stopped because ");
+    add_stop(text, style, result, options);
+    brdffit_cli_text_printf(text, ". The smallest E%s of any ",
+                            brdffit_cli_glyph(style, CLI_SQUARED));
+    add_family(text, style, result, options);
+    brdffit_cli_text_puts(text, " lies between ");
+    brdffit_cli_directed(text, result->lower_bound, digits, 0);
+    brdffit_cli_text_puts(text, " and this fit's ");
+    brdffit_cli_directed(text, result->e2, digits, 1);
+    add_above(text, result);
+    brdffit_cli_text_puts(text, ".");
+    brdffit_cli_text_puts(text, advice(result->stop));
+}
+
+void brdffit_cli_certificate(cli_text *text, cli_style style, const brdffit_result *result,
+                             const brdffit_options *options)
+{
+    cli_text words = {0};
+    if (!result->certified)
+        not_proven(&words, style, result, options);
+    else if (result->stop == BRDFFIT_STOP_ABSOLUTE_GAP)
+        proven_absolute(&words, style, result, options);
+    else
+        proven_relative(&words, style, result, options);
+    if (result->certified)
+        brdffit_cli_paragraph(text, style, CLI_GREEN, "Proven:", brdffit_cli_text_string(&words));
+    else
+        brdffit_cli_paragraph(text, style, CLI_YELLOW, "NOT proven:",
+                              brdffit_cli_text_string(&words));
+    text->failed |= words.failed;
+    brdffit_cli_text_free(&words);
+}
+
+/* ---- Warnings ---------------------------------------------------------- */
+
+static void add_warning(cli_text *words, cli_style style, const brdffit_lobe *lobe, unsigned bit,
+                        int lobes, const brdffit_options *options)
+{
+    const char *sigma = brdffit_cli_glyph(style, CLI_SIGMA);
+    switch (bit) {
+    case BRDFFIT_WARN_UNRESOLVED:
+        brdffit_cli_text_puts(words, "rests on no more than ");
+        brdffit_cli_directed(words, lobe->effective_samples, 2, 1);
+        brdffit_cli_text_puts(words, " effective samples: these directions do not resolve it, and "
+                                     "it is a fit to single samples.");
+        break;
+    case BRDFFIT_WARN_FLAT:
+        brdffit_cli_text_printf(words,
+                                "the data cannot tell %s inside [%.6g,\t%.6g]: any value there fits "
+                                "as well.",
+                                sigma, lobe->sigma_low, lobe->sigma_high);
+        break;
+    case BRDFFIT_WARN_UNUSED:
+        brdffit_cli_text_printf(words, "its coefficient is 0 in every channel: %s.",
+                                lobes == 1 ? "the data show no such lobe"
+                                           : "one lobe fewer fits as well");
+        break;
+    case BRDFFIT_WARN_AT_LIMIT:
+        if (lobe->sigma - options->sigma_min < options->sigma_max - lobe->sigma)
+            brdffit_cli_text_printf(words, "%s sits on the lower end of the range searched; lower "
+                                           "--sigma-min.", sigma);
+        else
+            brdffit_cli_text_printf(words, "%s sits on the upper end of the range searched; raise "
+                                           "--sigma-max.", sigma);
+        break;
+    default: brdffit_cli_text_printf(words, "warning %u.", bit); break;
+    }
+}
+
+void brdffit_cli_warnings(cli_text *text, cli_style style, const brdffit_result *result,
+                          const brdffit_options *options)
+{
+    for (int p = 0; p < result->model.lobes; p++) {
+        const brdffit_lobe *const lobe = &result->lobe[p];
+        for (unsigned bit = 1; bit != 0 && bit <= lobe->warnings; bit <<= 1) {
+            /* Of a lobe that is not there nothing else is worth saying. */
+            if (!(lobe->warnings & bit) ||
+                (bit != BRDFFIT_WARN_UNUSED && (lobe->warnings & BRDFFIT_WARN_UNUSED)))
+                continue;
+            cli_text words = {0};
+            brdffit_cli_text_printf(&words, "lobe %d: ", p + 1);
+            add_warning(&words, style, lobe, bit, result->model.lobes, options);
+            brdffit_cli_paragraph(text, style, CLI_YELLOW,
+                                  "Warning,", brdffit_cli_text_string(&words));
+            text->failed |= words.failed;
+            brdffit_cli_text_free(&words);
+        }
+    }
+}
+
+/* ---- Samples that were not used ---------------------------------------- */
+
+static void add_reason(cli_text *text, size_t *total, size_t count, const char *words)
+{
+    if (count == 0)
+        return;
+    if (*total > 0)
+        brdffit_cli_text_puts(text, ", ");
+    brdffit_cli_grouped(text, count);
+    brdffit_cli_text_printf(text, " %s", words);
+    *total += count;
+}
+
+size_t brdffit_cli_skipped(cli_text *text, cli_style style, const size_t *skipped,
+                           const brdffit_table *table, double max_incidence)
+{
+    size_t total = 0;
+    char incidence[80];
+    (void)snprintf(incidence, sizeof incidence, "lit from beyond %.6g%s", max_incidence,
+                   brdffit_cli_glyph(style, CLI_DEGREE));
+    add_reason(text, &total, skipped[BRDFFIT_SKIP_INCIDENCE], incidence);
+    add_reason(text, &total, skipped[BRDFFIT_SKIP_LIGHT_BELOW_HORIZON],
+               "with the light below the horizon");
+    add_reason(text, &total, skipped[BRDFFIT_SKIP_VIEW_BELOW_HORIZON],
+               "with the viewer below the horizon");
+    add_reason(text, &total, skipped[BRDFFIT_SKIP_ZERO_WEIGHT], "of weight 0");
+    add_reason(text, &total, table->dropped[BRDFFIT_IO_DROP_MASKED], "masked (not measured)");
+    add_reason(text, &total, table->dropped[BRDFFIT_IO_DROP_ABSENT], "with an empty field");
+    add_reason(text, &total, table->dropped[BRDFFIT_IO_DROP_BELOW_HORIZON],
+               "cells beyond the hemisphere");
+    return total;
+}

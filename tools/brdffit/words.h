@@ -1,0 +1,35 @@
+/* words.h: what a result means, in words. SPDX-License-Identifier: MIT */
+#ifndef BRDFFIT_CLI_WORDS_H
+#define BRDFFIT_CLI_WORDS_H
+
+#include "brdffit.h"
+#include "brdffit_io.h"
+#include "term.h"
+
+/* snake_case name of one BRDFFIT_WARN_* bit. */
+const char *brdffit_cli_warning_name(unsigned bit);
+
+/* "Proven: no Beckmann fit with 2 lobes ..." or "NOT proven: ...". */
+void brdffit_cli_certificate(cli_text *text, cli_style style, const brdffit_result *result,
+                             const brdffit_options *options);
+
+/* A paragraph for each warning of each lobe; of an unused lobe only that. */
+void brdffit_cli_warnings(cli_text *text, cli_style style, const brdffit_result *result,
+                          const brdffit_options *options);
+
+/* "60 light beyond 60° incidence, 8 view below the horizon"; nothing when
+ * nothing was skipped. Returns how many were. */
+size_t brdffit_cli_skipped(cli_text *text, cli_style style, const size_t *skipped,
+                           const brdffit_table *table, double max_incidence);
+
+/* "1,234,567". */
+void brdffit_cli_grouped(cli_text *text, size_t number);
+
+/* "0.31 ms", "2.4 s", for a paragraph. */
+void brdffit_cli_duration(cli_text *text, double seconds);
+
+/* `value` with `digits` significant digits, rounded so that the text is not
+ * above it (up = 0) or not below it (up = 1): what is claimed stays true. */
+void brdffit_cli_directed(cli_text *text, double value, int digits, int up);
+
+#endif

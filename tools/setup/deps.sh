@@ -1,0 +1,103 @@
+#!/bin/sh
+# What the build, the tests and the download of ECOS need from the system.
+#
+#   deps.sh check   cli|ecos|build|test ...   look; say what is missing, how to get it, and fail
+#   deps.sh install cli|ecos|build|test ...   the same, but install it first where that is possible:
+#                                             apt-get, as root or through a sudo that asks nothing
+#
+# Everything is found by trying it (a header by compiling and linking), never by asking a package
+# manager, so that other systems and hand-made installations count. Environment: CC, PYTHON.
+# SPDX-License-Identifier: MIT
+set -eu
+
+CC=${CC:-cc}
+PYTHON=${PYTHON:-python3}
+mode=$1
+shift
+
+links() { # header, libraries: does a program with them link?
+    scratch=$(mktemp -d)
+    printf '#include <stdarg.h>\n#include <stddef.h>\n#include <stdint.h>\n#include <setjmp.h>\n#include <%s>\nint main(void) { return 0; }\n' \
+        "$1" > "$scratch/try.c"
+    # CC may hold options, and CPPFLAGS and LDFLAGS always do: splitting is wanted.
+    # shellcheck disable=SC2086
+    if $CC ${CPPFLAGS:-} ${LDFLAGS:-} -o "$scratch/try" "$scratch/try.c" $2 > /dev/null 2>&1; then found=0; else found=1; fi
+    rm -rf "$scratch"
+    return $found
+}
+
+missing= # what, for people
+packages= # Debian's names
+
+need() { # what is missing, its Debian packages
+    missing="$missing
+  - $1"
+    packages="$packages $2"
+}
+
+look() {
+    missing=
+    packages=
+    for group in "$@"; do
+        case $group in
+        build)
+            if ! command -v "${CC%% *}" > /dev/null 2>&1; then
+                need "a C compiler ($CC)" "gcc libc6-dev zlib1g-dev"
+            elif ! links stdio.h ''; then
+                need "the C library's headers (<stdio.h>)" "libc6-dev"
+            fi
+            links zlib.h -lz || need "zlib with headers (<zlib.h>)" zlib1g-dev
+            ;;
+        cli)
+            links cjson/cJSON.h -lcjson || need "cJSON with headers (<cjson/cJSON.h>)" libcjson-dev
+            ;;
+        ecos)
+            "$PYTHON" -m pip --version > /dev/null 2>&1 ||
+                need "Python 3 with pip, which downloads ECOS (or build with ECOS_DIR=path or ECOS=0)" "python3 python3-pip"
+            ;;
+        test)
+            links cmocka.h -lcmocka || need "cmocka with headers (<cmocka.h>)" libcmocka-dev
+            "$PYTHON" -c 'import venv, ensurepip' > /dev/null 2>&1 ||
+                need "Python 3's modules venv and ensurepip" "python3 python3-venv"
+            ;;
+        *)
+            echo "deps.sh: unknown group '$group'" >&2
+            exit 2
+            ;;
+        esac
+    done
+}
+
+complain() {
+    {
+        echo "brdffit: missing on this system:$missing"
+        echo "On Debian or Ubuntu: apt-get install$packages"
+        [ "$mode" = install ] || echo "or let 'make deps' do that."
+    } >&2
+    exit 1
+}
+
+as_root() {
+    if [ "$(id -u)" = 0 ]; then
+        "$@"
+    else
+        sudo -n "$@"
+    fi
+}
+
+look "$@"
+[ -n "$missing" ] || exit 0
+[ "$mode" = install ] || complain
+command -v apt-get > /dev/null 2>&1 || complain
+if [ "$(id -u)" != 0 ]; then
+    command -v sudo > /dev/null 2>&1 && sudo -n true > /dev/null 2>&1 || complain
+fi
+
+echo "Installing:$packages"
+# An update may fail for a foreign repository and still serve: what counts is the installation.
+as_root env DEBIAN_FRONTEND=noninteractive apt-get update -qq ||
+    echo "apt-get update reported an error; going on" >&2
+# shellcheck disable=SC2086
+as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $packages > /dev/null || complain
+look "$@"
+[ -z "$missing" ] || complain

@@ -1,0 +1,54 @@
+#!/bin/sh
+# Run one kind of tests to the end, whatever fails, then say how many passed; fail if any did not.
+#
+#   run_tests.sh programs PROGRAM...     C tests: cmocka prints each one's summary
+#   run_tests.sh scripts SCRIPT...
+#   run_tests.sh python VENV BUILD PATH...
+#
+# SPDX-License-Identifier: MIT
+set -u
+
+kind=$1
+shift
+
+run_each() { # kind, commands
+    passed=0
+    failed=0
+    broken=
+    for test in "$@"; do
+        echo "== $test"
+        if [ "$kind" = scripts ]; then sh "$test"; else "$test"; fi
+        code=$?
+        if [ $code = 0 ]; then
+            passed=$((passed + 1))
+        else
+            failed=$((failed + 1))
+            broken="$broken $test"
+            echo "FAILED ($code): $test" >&2
+        fi
+    done
+    [ $failed = 0 ] || echo "Failed:$broken" >&2
+    echo "$kind: $passed passed, $failed failed"
+    [ $failed = 0 ]
+}
+
+run_python() { # venv, build, paths
+    environment=$1
+    tree=$2
+    shift 2
+    # Nothing is written outside the build tree.
+    [ $# -gt 0 ] && [ -n "$(find "$@" -name 'test_*.py' | head -n 1)" ] || {
+        echo 'No Python tests here.'
+        return 0
+    }
+    PYTHONPYCACHEPREFIX=$tree/pycache "$environment/bin/python" -m pytest -q -ra -o cache_dir="$tree/pytest_cache" "$@"
+}
+
+case $kind in
+programs | scripts) run_each "$@" ;;
+python) run_python "$@" ;;
+*)
+    echo "run_tests.sh: unknown kind '$kind'" >&2
+    exit 2
+    ;;
+esac
