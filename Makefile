@@ -137,8 +137,9 @@ $(OBJ)/deps.ok:
 	@CC='$(CC)' PYTHON='$(PYTHON)' sh tools/setup/deps.sh check $(if $(CLI),cli) $(if $(ECOS_FETCH),ecos) build
 	@touch $@
 
-# What a recipe does, in a word; V=1 shows its commands.
-say = $(if $(filter 1,$(V)),,@printf '  %-6s %s\n' '$(1)' '$(2)'; )
+# What a recipe does, in a word; V=1 shows its commands, make -s nothing.
+silent := $(findstring s,$(filter-out --%,$(firstword -$(MAKEFLAGS))))
+say = $(if $(filter 1,$(V))$(silent),,@printf '  %-6s %s\n' '$(1)' '$(2)'; )
 
 # ---- ECOS --------------------------------------------------------------------
 
@@ -322,8 +323,8 @@ ASAN = $(MAKE) --no-print-directory BUILD='$(BUILD)/asan' THIRD_PARTY='$(THIRD_P
     CFLAGS='-O1 -g -fno-omit-frame-pointer $(SANITIZE)' LDFLAGS='$(LDFLAGS) $(SANITIZE)'
 
 check-asan:
-	@$(ASAN) programs test-programs
-	@$(ASAN) check-asan-run
+	+@$(ASAN) programs test-programs
+	+@$(ASAN) check-asan-run
 
 check-asan-run:
 	@failed=0; \

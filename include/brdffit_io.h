@@ -50,6 +50,8 @@ typedef struct brdffit_io_options {
     brdffit_io_merl_bins merl_bins;
     brdffit_io_merl_sampling merl_sampling;
     const brdffit_samples *directions; /* form DIRECTIONS, used with MERL_DIRECTIONS */
+    int directions_only;         /* 1: a CSV needs no channel; its samples may then have none (channels 0,
+                                    values NULL): places to evaluate at or to look up, nothing to fit */
 } brdffit_io_options;
 
 BRDFFIT_API void brdffit_io_options_init(brdffit_io_options *options);

@@ -12,6 +12,7 @@
  *  - when a solve meets NaN before its first iterate is saved, it restores the best iterate of the solve
  *    before, and may report that one's success: that iterate is spoilt before every solve;
  *  - two exits (ECOS_FATAL, ECOS_OUTCONE) leave x and z in scaled form: they count as having none;
+ *  - a G whose pattern has no entry at all makes its setup read memory that it never wrote: refused;
  *  - CTRLC > 0 takes over SIGINT in each solve: the build sets it to 0, and this file checks;
  *  - it prints unless told not to, and does not check its mallocs.
  * Layer 2. SPDX-License-Identifier: MIT
@@ -58,9 +59,9 @@ void brdffit_socp_free(struct socp *socp)
 
 struct socp {
     pwork *work;
-    double *g, *c, *h;     /* ECOS's buffers: overwritten by every solve */
-    idxint *column, *row;  /* of g; kept by ECOS */
-    idxint *cone;          /* dimensions */
+    double *g, *c, *h;    /* ECOS's buffers: overwritten by every solve */
+    idxint *column, *row; /* of g; kept by ECOS */
+    idxint *cone;         /* dimensions */
     struct scaling scaling;
 };
 
@@ -82,8 +83,7 @@ static struct socp *layout(struct arena *arena, const struct conic_shape *shape)
     return memory;
 }
 
-/* All of it in one block. A struct at its start can be freed only if the block begins with it: the arena
- * aligns, so the block is asked for with that alignment. */
+/* All of it in one block, aligned as the arena aligns, so that the block begins with the struct. */
 static struct socp *allocate(const struct conic_shape *shape)
 {
     struct arena arena;
@@ -131,7 +131,7 @@ brdffit_status brdffit_socp_new(const struct conic_shape *shape, struct socp **r
     struct socp *socp;
 
     *result = NULL;
-    if (!brdffit_conic_valid(shape)) {
+    if (!(brdffit_conic_valid(shape) && brdffit_conic_entries(shape) > 0)) {
         return BRDFFIT_ERR_ARGUMENT;
     }
     socp = allocate(shape);

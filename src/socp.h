@@ -34,7 +34,7 @@ struct socp_result {
     int code; /* ECOS's own, for reports */
 };
 
-/* BRDFFIT_ERR_ARGUMENT for an invalid shape; BRDFFIT_ERR_MEMORY. */
+/* BRDFFIT_ERR_ARGUMENT for an invalid shape or one without entries in G; BRDFFIT_ERR_MEMORY. */
 brdffit_status brdffit_socp_new(const struct conic_shape *shape, struct socp **socp);
 
 /* x (variables) and z (rows) are written unless the call itself fails: BRDFFIT_ERR_VALUE when a number is

@@ -39,7 +39,8 @@ int main(void)
         return 1;
     }
     printf("%s sigma %.9f certified %d\n", brdffit_version(), result->model.sigma[0], result->certified);
-    i = !(fabs(result->model.sigma[0] - 0.25) < 1e-9 && result->certified && strcmp(brdffit_version(), BRDFFIT_VERSION_STRING) == 0);
+    i = !(fabs(result->model.sigma[0] - 0.25) < 1e-9 && result->certified &&
+          strcmp(brdffit_version(), BRDFFIT_VERSION_STRING) == 0);
     brdffit_fit_free(result);
     brdffit_io_free(table);
     return i;

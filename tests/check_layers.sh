@@ -10,7 +10,9 @@ layer_of() { # file name without directory
     case ${1%.[ch]} in
     status | tolerance | vector | kernel_* | arena) echo 0 ;;
     nnls | nnls_* | heap | axis | certificate | scaling) echo 1 ;;
-    family | family_* | geometry | geometry_* | reduce | reduce_* | moments | moments_* | residual | residual_* | socp) echo 2 ;;
+    family | family_* | geometry | geometry_* | reduce | reduce_* | moments | moments_* | residual | residual_* | socp)
+        echo 2
+        ;;
     bound | bound_* | interval | interval_* | varpro | varpro_* | refine | refine_*) echo 3 ;;
     search | search_*) echo 4 ;;
     fit | fit_* | options | report | report_* | eval | eval_*) echo 5 ;;
@@ -60,6 +62,7 @@ check_room() { # file, header it may include besides its own and the C library's
         case $header in
         brdffit.h | brdffit_io.h) continue ;;
         ecos.h) problem "$1 includes ecos.h: only src/socp.c may" ;;
+        */../* | ../*) problem "$1 includes $header: name no other room's files" ;;
         esac
         [ ! -e "src/$header" ] || [ -e "$(dirname "$1")/$header" ] || problem "$1 includes the core's private $header"
     done

@@ -155,6 +155,7 @@ static void test_dresses(void **state)
         "  theta_i ,\ttheta_o\t,  w,r  \n 30 ,60\t, 1 ,\t2 \n90,0,  3  ,  4\t\n",
         "\"theta_i\",\"theta_o\",\"w\",\"r\"\n\"30\",\"60\",1,2\n90,0 , \"3\" ,4\n",
         "\xef\xbb\xbf\"theta_i\"\t \"theta_o\" \t\"w\"\tr\r\n+30\t6e1\t1.0\t.2e1\r\n90.\t-0\t3\t4\r\n",
+        "theta_i,\ttheta_o,\tw,\tr\n30,\t60,\t1,\t2\n90,\t0,\t3,\t4\n", /* as many tabs as commas */
         "weight,r,theta_o,theta_i\n1,2,60,30\n3,4,0,90\n",
     };
     size_t i;
@@ -193,7 +194,8 @@ static void test_lines_are_the_files(void **state)
 
 static void test_channel_names(void **state)
 {
-    brdffit_table *table = io_good("theta_i;theta_o;\"I(0,5) \"\"x\"\"; y\";\xce\xbb 550 nm ;R;theta_i_rad\n1;2;3;4;5;6\n");
+    brdffit_table *table = io_good("theta_i;theta_o;\"I(0,5) \"\"x\"\"; y\";\xce\xbb 550 nm ;R;theta_i_rad\n"
+                                   "1;2;3;4;5;6\n");
 
     (void)state;
     assert_int_equal(table->samples.channels, 4);
@@ -206,7 +208,8 @@ static void test_channel_names(void **state)
 
 static void test_absent_and_negative(void **state)
 {
-    brdffit_table *table = io_good("theta_i,theta_o,r,g\n1,1,1,2\n1,1,,2\n1,1,-1,-2\n1,1,3,\n1,1, ,\"\"\n1,1,-5,6\n1,1,-7,\n");
+    brdffit_table *table = io_good("theta_i,theta_o,r,g\n1,1,1,2\n1,1,,2\n1,1,-1,-2\n1,1,3,\n"
+                                   "1,1, ,\"\"\n1,1,-5,6\n1,1,-7,\n");
 
     (void)state;
     assert_int_equal(table->samples.count, 3);

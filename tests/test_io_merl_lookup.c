@@ -209,7 +209,8 @@ static void test_aimed_at_edges(void **state)
     free(merl.data);
 }
 
-/* Mirror directions in any azimuth are theta_h = 0; equal directions are theta_d = 0 and phi_d = 0. */
+/* Mirror directions in any azimuth are theta_h = 0 and phi_d the light's azimuth, not that of what rounding left of
+ * the half vector; equal directions are theta_d = 0 and phi_d = 0, also when their lengths differ. */
 static void test_degenerate_angles(void **state)
 {
     struct io_merl merl = io_merl_new(90, 90, 180);
@@ -226,9 +227,9 @@ static void test_degenerate_angles(void **state)
         l[0] = sin(theta) * cos(phi);
         l[1] = sin(theta) * sin(phi);
         l[2] = cos(theta);
-        v[0] = i % 2 ? l[0] : -l[0];
-        v[1] = i % 2 ? l[1] : -l[1];
-        v[2] = l[2];
+        v[0] = 3 * (i % 2 ? l[0] : -l[0]);
+        v[1] = 3 * (i % 2 ? l[1] : -l[1]);
+        v[2] = 3 * l[2];
     }
     samples = samples_of(&list);
     table = look_up(&merl, &samples);
@@ -239,7 +240,12 @@ static void test_degenerate_angles(void **state)
         if (i % 2) {
             assert_int_equal(cell % (90 * 180), 0);
         } else {
+            double degrees = fmod(atan2(list.light[3 * i + 1], list.light[3 * i]) * 57.29577951308232 + 360, 180);
+
             assert_int_equal(cell / (90 * 180), 0);
+            if (fabs(degrees - rint(degrees)) > 1e-6) {
+                assert_int_equal(cell % 180, (size_t)degrees);
+            }
         }
     }
     brdffit_io_free(table);
@@ -375,6 +381,7 @@ static void test_dropped(void **state)
     brdffit_io_options options;
     brdffit_error error;
     brdffit_status status;
+    size_t k;
 
     (void)state;
     io_put(&merl, 1, 0, -1.0);
@@ -382,18 +389,28 @@ static void test_dropped(void **state)
     samples.count = 5;
     samples.light = light;
     samples.view = view;
+    brdffit_io_options_init(&options);
+    options.merl_sampling = BRDFFIT_IO_MERL_DIRECTIONS;
+    options.directions = &samples;
     table = look_up(&merl, &samples);
     assert_int_equal(table->samples.count, 1);
     assert_int_equal(table->dropped[BRDFFIT_IO_DROP_BELOW_HORIZON], 3);
     assert_int_equal(table->dropped[BRDFFIT_IO_DROP_MASKED], 1);
     assert_memory_equal(table->samples.light, light + 12, 3 * sizeof(double));
     brdffit_io_free(table);
-    samples.count = 4;
-    brdffit_io_options_init(&options);
-    options.merl_sampling = BRDFFIT_IO_MERL_DIRECTIONS;
-    options.directions = &samples;
-    status = brdffit_io_read_memory(merl.data, merl.size, &options, &table, &error);
-    io_assert_failed(status, table, &error, BRDFFIT_ERR_NO_SAMPLES, "masked");
+    for (k = 0; k < 3; k++) { /* a negative entry in any one channel masks */
+        io_put(&merl, 1, 0, 1.0);
+        io_put(&merl, k, 0, -1e-9);
+        table = look_up(&merl, &samples);
+        assert_int_equal(table->dropped[BRDFFIT_IO_DROP_MASKED], 1);
+        brdffit_io_free(table);
+        io_put(&merl, k, 0, -1.0);
+        samples.count = 4;
+        status = brdffit_io_read_memory(merl.data, merl.size, &options, &table, &error);
+        io_assert_failed(status, table, &error, BRDFFIT_ERR_NO_SAMPLES, "masked");
+        samples.count = 5;
+        io_put(&merl, k, 0, 1.0);
+    }
     free(merl.data);
 }
 

@@ -153,12 +153,39 @@ static void test_drop_names(void **state)
     assert_string_equal(brdffit_io_drop_string((brdffit_io_drop)-1), "unknown");
 }
 
+/* Places without measurements: refused as data, accepted as directions. */
+static void test_directions_only(void **state)
+{
+    static const char places[] = "theta_i,phi_i,theta_o,phi_o\n10,0,20,180\n30,0,30,180\n";
+    brdffit_io_options options;
+    brdffit_table *table = NULL;
+    brdffit_error error;
+
+    (void)state;
+    brdffit_io_options_init(&options);
+    assert_int_equal(options.directions_only, 0);
+    assert_int_equal(io_text(places, &options, &table, &error), BRDFFIT_ERR_FORMAT);
+    assert_int_equal(error.line, 1);
+    options.directions_only = 1;
+    assert_int_equal(io_text(places, &options, &table, &error), BRDFFIT_OK);
+    assert_int_equal(table->samples.count, 2);
+    assert_int_equal(table->samples.channels, 0);
+    assert_null(table->samples.values);
+    io_assert_near(table->samples.light[2], 0.98480775301220805937L, 2e-16);
+    brdffit_io_free(table);
+    assert_int_equal(io_text("theta_i,phi_i,theta_o,phi_o,r\n10,0,20,180,0.5\n", &options, &table, &error),
+                     BRDFFIT_OK);
+    assert_int_equal(table->samples.channels, 1);
+    brdffit_io_free(table);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_defaults),   cmocka_unit_test(test_ranges),
         cmocka_unit_test(test_directions), cmocka_unit_test(test_places_of_directions),
         cmocka_unit_test(test_arguments),  cmocka_unit_test(test_drop_names),
+        cmocka_unit_test(test_directions_only),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -368,7 +368,8 @@ static void test_refuses_what_is_not_finite(void **state)
 static void test_degenerate(void **state)
 {
     static const double zero[6], box[] = {-1, 1, 0, 0, 0, 0}, h[] = {0, 1, 0}, impossible[] = {0, 1, -1}, c[] = {1, 0};
-    const struct conic_shape shape = {2, 3, 0, NULL, NULL, NULL};
+    static const size_t column[] = {0, 2, 2}, row[] = {0, 1};
+    const struct conic_shape shape = {2, 3, 0, NULL, NULL, NULL}, empty = {2, 3, 0, NULL, column, row};
     const struct conic_data nothing = {zero, zero, zero}, loose = {box, c, h}, never = {box, c, impossible};
     double x[2], z[3];
     struct socp_result result = solve_once(&shape, &nothing, x, z);
@@ -381,18 +382,24 @@ static void test_degenerate(void **state)
     assert_true(fabs(result.primal) <= TOLERANCE && isfinite(x[1]));
     result = solve_once(&shape, &never, x, z);
     assert_int_equal(SOCP_PRIMAL_INFEASIBLE, result.outcome);
+    result = solve_once(&empty, &loose, x, z); /* a pattern with an empty row and an empty column */
+    assert_int_equal(SOCP_OPTIMAL, result.outcome);
+    assert_true(fabs(result.primal) <= TOLERANCE);
 }
 
 static void test_shape_is_checked(void **state)
 {
     static const size_t flat[] = {1};
+    static const size_t column[] = {0, 0};
     const struct conic_shape none = {0, 1, 0, NULL, NULL, NULL}, thin = {1, 0, 1, flat, NULL, NULL};
+    const struct conic_shape empty = {1, 1, 0, NULL, column, column};
     struct socp *socp = (struct socp *)&socp;
 
     (void)state;
     assert_int_equal(BRDFFIT_ERR_ARGUMENT, brdffit_socp_new(&none, &socp));
     assert_null(socp);
     assert_int_equal(BRDFFIT_ERR_ARGUMENT, brdffit_socp_new(&thin, &socp));
+    assert_int_equal(BRDFFIT_ERR_ARGUMENT, brdffit_socp_new(&empty, &socp));
     assert_int_equal(BRDFFIT_ERR_ARGUMENT, brdffit_socp_new(NULL, &socp));
     brdffit_socp_free(NULL);
 }

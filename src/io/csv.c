@@ -104,6 +104,7 @@ brdffit_status brdffit_io_csv_read(const unsigned char *data, size_t size, const
     brdffit_status status;
 
     memset(&layout, 0, sizeof layout);
+    layout.directions_only = options->directions_only;
     table->open.format = BRDFFIT_IO_FORMAT_CSV;
     skip_mark(&lines);
     if (!brdffit_io_next_line(&lines, &header)) {

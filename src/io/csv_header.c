@@ -292,10 +292,10 @@ static brdffit_status name_channels(struct csv_layout *layout, size_t line, stru
     for (j = 0; j < layout->columns; j++) {
         layout->channels += layout->role[j] == CSV_CHANNEL;
     }
-    if (layout->channels == 0) {
+    if (layout->channels == 0 && !layout->directions_only) {
         return fail_column(error, line, BRDFFIT_NONE, "the header names no channel (such as r,g,b)");
     }
-    if (!brdffit_io_table_channels(table, layout->channels)) {
+    if (layout->channels > 0 && !brdffit_io_table_channels(table, layout->channels)) {
         return brdffit_io_no_memory(error);
     }
     for (j = 0; j < layout->columns; j++) {

@@ -36,6 +36,7 @@ struct csv_layout {
     enum csv_kind kind;
     size_t columns;
     size_t channels;
+    int directions_only;             /* no channel is fine */
     enum csv_role *role;             /* per column */
     size_t column[CSV_ROLE_COUNT];   /* per role, the column from 0; BRDFFIT_NONE: absent */
     struct io_field *fields;         /* room for one line */

@@ -44,7 +44,8 @@ static brdffit_status fail_number(const struct row *row, size_t column, size_t c
 
     switch (fault) {
     case IO_NUMBER_NAN:
-        message = channel == BRDFFIT_NONE ? "NaN" : "NaN is not a measurement: leave the field empty if there is none";
+        message = channel == BRDFFIT_NONE ? "the field is NaN"
+                                          : "NaN is not a measurement: leave the field empty if there is none";
         break;
     case IO_NUMBER_INFINITE: message = "the number is infinite"; break;
     case IO_NUMBER_OVERFLOW: message = "the number is too large"; break;

@@ -185,3 +185,19 @@ def test_missing_files(desk):
     save(desk, *harness.fit("matte.csv", cwd=desk))
     assert harness.run("eval", "fits.json", "gone.csv", cwd=desk).returncode == 1
     assert harness.run("eval", "fits.json", "ragged.csv", cwd=desk).returncode == 3
+
+
+def test_directions_without_channels(tmp_path):
+    """A file that only names places is enough to evaluate at."""
+    places = tmp_path / "places.csv"
+    places.write_text("theta_i,phi_i,theta_o,phi_o\n10,0,20,180\n30,0,30,180\n")
+    measured = tmp_path / "measured.csv"
+    measured.write_text("theta_i,phi_i,theta_o,phi_o,r\n" + "".join(
+        f"{i},0,{o},180,{0.1 + 0.01 * abs(i - o)}\n" for i in range(0, 60, 10) for o in (5, 25, 45)))
+    fit = tmp_path / "fit.json"
+    fit.write_text(harness.run("fit", "--json", str(measured)).stdout)
+    done = harness.run("eval", str(fit), str(places))
+    assert done.returncode == 0
+    lines = done.stdout.splitlines()
+    assert lines[0] == "theta_i,phi_i,theta_o,phi_o,r_fit"
+    assert len(lines) == 3 and float(lines[2].split(",")[-1]) > 0

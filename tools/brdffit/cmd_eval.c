@@ -52,6 +52,7 @@ static int read_table(const cli_settings *settings, const cli_fit *fit, const ch
     }
     options.merl_bins = (brdffit_io_merl_bins)fit->merl_bins;
     options.merl_sampling = (brdffit_io_merl_sampling)fit->merl_sampling;
+    options.directions_only = 1;
     if (fit->merl_sampling == BRDFFIT_IO_MERL_DIRECTIONS)
         options.directions = &fit->directions;
     errno = 0;

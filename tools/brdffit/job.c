@@ -37,13 +37,14 @@ static int load_directions(cli_fitter *fitter, const char *path)
     brdffit_io_options options;
     brdffit_io_options_init(&options);
     options.format = BRDFFIT_IO_FORMAT_CSV;
+    options.directions_only = 1;
     brdffit_error error = {0};
     errno = 0;
     const brdffit_status status = brdffit_io_read(path, &options, &fitter->directions, &error);
     if (status != BRDFFIT_OK) {
         brdffit_cli_report_error(path, &error, NULL, errno);
         fprintf(stderr, "brdffit: --merl-samples takes table, 84 or a file like those of fit, with "
-                        "directions and a channel\n");
+                        "directions\n");
         return brdffit_cli_status_exit(status);
     }
     const brdffit_samples *const samples = &fitter->directions->samples;

@@ -17,8 +17,10 @@ shift
 
 links() { # header, libraries: does a program with them link?
     scratch=$(mktemp -d)
-    printf '#include <stdarg.h>\n#include <stddef.h>\n#include <stdint.h>\n#include <setjmp.h>\n#include <%s>\nint main(void) { return 0; }\n' \
-        "$1" > "$scratch/try.c"
+    {
+        printf '#include <%s>\n' stdarg.h stddef.h stdint.h setjmp.h "$1" # cmocka.h wants the first four
+        echo 'int main(void) { return 0; }'
+    } > "$scratch/try.c"
     # CC may hold options, and CPPFLAGS and LDFLAGS always do: splitting is wanted.
     # shellcheck disable=SC2086
     if $CC ${CPPFLAGS:-} ${LDFLAGS:-} -o "$scratch/try" "$scratch/try.c" $2 > /dev/null 2>&1; then found=0; else found=1; fi
@@ -72,7 +74,7 @@ complain() {
     {
         echo "brdffit: missing on this system:$missing"
         echo "On Debian or Ubuntu: apt-get install$packages"
-        [ "$mode" = install ] || echo "or let 'make deps' do that."
+        [ "$mode" = install ] || echo "or let 'make deps' do that, as root or with sudo."
     } >&2
     exit 1
 }
