@@ -104,11 +104,13 @@ typedef enum brdffit_quantity {
  *
  * DIRECTIONS:   light, view: count x 3, row-major, towards the light and
  *               towards the viewer; any finite length but zero (they are
- *               normalised). normal: count x 3, or NULL for +z.
+ *               normalised). normal: count x 3, or NULL for +z. Directions are
+ *               taken to be known to 1e-15 radians: half-vector angles that
+ *               close are one angle, so that mirror images merge.
  * ANGLES:       cos_light = n.l and cos_view = n.v in [-1, 1],
- *               tan2_half = tan^2 alpha >= 0, cos_difference = v.h in (0, 1].
+ *               tan2_half = tan^2 alpha in [0, 1e100], cos_difference = v.h in (0, 1].
  *               Samples with equal tan2_half (to the bit) merge exactly.
- * COEFFICIENTS: a, b, c >= 0. The quantity must be RADIANCE.
+ * COEFFICIENTS: a, b, c >= 0, c <= 1e100. The quantity must be RADIANCE.
  */
 typedef struct brdffit_samples {
     size_t struct_size;

@@ -50,6 +50,7 @@ brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *a
 {
     brdffit_status status = check_model(model, error);
     const struct family *family;
+    brdffit_samples places;
     size_t i, k;
 
     if (status == BRDFFIT_OK) {
@@ -62,9 +63,11 @@ brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *a
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "out is NULL");
     }
     family = brdffit_family_of(model->distribution);
+    places = *at;
+    places.weights = NULL; /* not read: every direction is evaluated */
     for (i = 0; i < at->count; i++) {
         struct geometry g = {0.0, 0.0, 0.0, 1.0};
-        brdffit_skip skip = brdffit_geometry_sample(at, model->distribution, 0.0, i, &g, &status, error);
+        brdffit_skip skip = brdffit_geometry_sample(&places, model->distribution, 0.0, i, &g, &status, error);
 
         if (status != BRDFFIT_OK) {
             return status;

@@ -176,8 +176,8 @@ static brdffit_status angles_given(const brdffit_samples *s, size_t i, struct ge
     if (!(fabs(out->cos_view) <= 1.0)) {
         return brdffit_fail_at(error, "cos_view is not in [-1, 1]", i, BRDFFIT_NONE, out->cos_view);
     }
-    if (!(out->tan2_half >= 0.0 && isfinite(out->tan2_half))) {
-        return brdffit_fail_at(error, "tan2_half is not finite and >= 0", i, BRDFFIT_NONE, out->tan2_half);
+    if (!(out->tan2_half >= 0.0 && out->tan2_half <= LIMIT_C)) {
+        return brdffit_fail_at(error, "tan2_half is not in [0, 1e100]", i, BRDFFIT_NONE, out->tan2_half);
     }
     if (!(out->cos_difference > 0.0 && out->cos_difference <= 1.0)) {
         return brdffit_fail_at(error, "cos_difference is not in (0, 1]", i, BRDFFIT_NONE, out->cos_difference);
@@ -211,8 +211,8 @@ static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, str
     if (!(out->b >= 0.0 && isfinite(out->b))) {
         return brdffit_fail_at(error, "b is not finite and >= 0", i, BRDFFIT_NONE, out->b);
     }
-    if (!(out->c >= 0.0 && isfinite(out->c))) {
-        return brdffit_fail_at(error, "c is not finite and >= 0", i, BRDFFIT_NONE, out->c);
+    if (!(out->c >= 0.0 && out->c <= LIMIT_C)) {
+        return brdffit_fail_at(error, "c is not in [0, 1e100]", i, BRDFFIT_NONE, out->c);
     }
     return BRDFFIT_OK;
 }

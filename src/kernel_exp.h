@@ -11,11 +11,15 @@
 #ifndef BRDFFIT_KERNEL_EXP_H
 #define BRDFFIT_KERNEL_EXP_H
 
+#include <float.h>
 #include <stdint.h>
 #include <string.h>
 
 #ifdef __FAST_MATH__
 #error "brdffit's proofs need IEEE arithmetic: do not build with -ffast-math"
+#endif
+#if FLT_EVAL_METHOD != 0
+#error "brdffit's proofs need doubles that are doubles: on 32-bit x86 build with -msse2 -mfpmath=sse"
 #endif
 
 static inline double kernel_exp(double x)

@@ -74,6 +74,7 @@ void brdffit_moments_start(struct moments *m, const struct reduced *data, const 
     m->family = family;
     m->evaluated = 0;
     m->epsilon = TOL_UNIT * (2.0 * (TOL_MOMENT_BASE + (double)data->stride / LANES));
+    m->exponent_epsilon = 4.0 * TOL_UNIT + 2.0 * data->snapped;
     m->slack = (TOL_GAIN * TOL_UNIT + m->epsilon) * data->total;
     for (k = 0; k < data->channels; k++) {
         m->norm[k] = sqrt(data->ii[k]);
@@ -181,7 +182,7 @@ static double node_epsilon(const struct moments *m, const struct node *node)
 
         largest = w->f1 > largest * w->f0 ? w->f1 / w->f0 : largest;
     }
-    return m->epsilon + 4.0 * TOL_UNIT * (node->u * (node->mean + largest));
+    return m->epsilon + m->exponent_epsilon * (node->u * (node->mean + largest));
 }
 
 /* kappa and tau from the functionals, with the rounding allowance on the safe side. */
@@ -244,7 +245,7 @@ static void fill_pair(struct moments *m, struct pair *pair)
     const double *phi = brdffit_moments_shape(m, p, m->scratch);
     const double *psi = brdffit_moments_shape(m, q, m->scratch + n);
     double *product = m->scratch + 2 * n;
-    double sum[LANES] = {0.0}, first[LANES] = {0.0}, second[LANES] = {0.0};
+    double sum[LANES] = {0.0}, first[LANES] = {0.0}, second[LANES] = {0.0}, exponent;
 
     for (j = 0; j < n; j += LANES) {
         for (l = 0; l < LANES; l++) {
@@ -272,8 +273,8 @@ static void fill_pair(struct moments *m, struct pair *pair)
     }
     pair->variance = lanes_total(second) / pair->value;
     /* The nodes allow for their own roots, the last term for the exponents of the pair. */
-    pair->mu = pair->value / (p->root * q->root) - fmax(p->epsilon, q->epsilon) -
-               4.0 * TOL_UNIT * (pair->mean * (p->u + q->u));
+    exponent = m->family->exponential ? pair->mean * (p->u + q->u) : 4.0;
+    pair->mu = pair->value / (p->root * q->root) - fmax(p->epsilon, q->epsilon) - m->exponent_epsilon * exponent;
 }
 
 const struct pair *brdffit_moments_pair(struct moments *m, uint32_t first, uint32_t second)

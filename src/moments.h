@@ -4,8 +4,8 @@
  *
  * Sums over distinct c run in LANES lanes with a fixed order, so that their bits do not depend on the
  * instruction set. Every sum of positive terms is within node.epsilon (relative) of the exact one: moments.epsilon
- * for additions and products, and 4 u times the mean exponent c' u, because exp(-x) turns a relative error of x into
- * one of x times that.
+ * for additions and products, and exponent_epsilon times the mean exponent c' u, because exp(-x) turns a relative
+ * error of x (4 u, and that of merged c) into one of x times that.
  */
 #ifndef BRDFFIT_MOMENTS_H
 #define BRDFFIT_MOMENTS_H
@@ -46,6 +46,7 @@ struct moments {
     const struct reduced *data;
     const struct family *family;
     double epsilon;     /* rounding allowance of a sum, but for its exponents */
+    double exponent_epsilon; /* relative error of an exponent */
     double *omega;      /* K: data along the normalised a, raised by epsilon |I_k| */
     double *norm;       /* K: |I_k| */
     double slack;       /* rounding allowance of an objective, absolute */

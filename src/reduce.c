@@ -42,9 +42,9 @@ void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t 
     reduced->block = ARENA_DOUBLES(arena, width * (width + REDUCE_BLOCK));
 }
 
-/* Values of one sample that counts: all finite; keep each channel's largest radiance and magnitude. */
+/* Values of one sample that counts: all finite; keep each channel's largest radiance, and in ii its magnitude. */
 static brdffit_status check_values(struct reduced *r, const brdffit_samples *s, size_t i, double to_radiance,
-                                   double *magnitude, brdffit_error *error)
+                                   brdffit_error *error)
 {
     const double *value = s->values + i * s->channels;
     size_t k;
@@ -56,14 +56,14 @@ static brdffit_status check_values(struct reduced *r, const brdffit_samples *s, 
             return brdffit_fail_at(error, "value is not finite", i, k, value[k]);
         }
         r->channel_scale[k] = fmax(r->channel_scale[k], radiance);
-        *magnitude = fmax(*magnitude, fabs(radiance));
+        r->ii[k] = fmax(r->ii[k], fabs(radiance));
     }
     return BRDFFIT_OK;
 }
 
 /* First pass: (a, b, c) of every sample that counts, in sample_*; the number of used and skipped ones. */
 static brdffit_status classify(struct reduced *r, const brdffit_samples *s, const brdffit_options *options,
-                               double *magnitude, brdffit_error *error)
+                               brdffit_error *error)
 {
     double min_cosine = brdffit_geometry_min_cosine(options->max_incidence);
     size_t i, k;
@@ -74,6 +74,7 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
     }
     for (k = 0; k < s->channels; k++) {
         r->channel_scale[k] = 0.0;
+        r->ii[k] = 0.0;
     }
     for (i = 0; i < s->count; i++) {
         struct geometry g = {0.0, 0.0, 0.0, 0.0};
@@ -91,7 +92,7 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
         if (s->quantity == BRDFFIT_QUANTITY_RADIANCE) {
             g.cos_light = 1.0;
         }
-        status = check_values(r, s, i, g.cos_light, magnitude, error);
+        status = check_values(r, s, i, g.cos_light, error);
         if (status != BRDFFIT_OK) {
             return status;
         }
@@ -107,8 +108,9 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
 
 /* Divisor of each channel; with NORMALISE_NONE one power of two for all, undone in the result. */
 static brdffit_status choose_channel_scales(struct reduced *r, const brdffit_options *options,
-                                            double magnitude, brdffit_error *error)
+                                            brdffit_error *error)
 {
+    double magnitude = vector_largest(r->ii, r->channels);
     size_t k;
 
     if (options->normalise == BRDFFIT_NORMALISE_NONE && !(magnitude <= LIMIT_VALUE)) {
@@ -121,9 +123,9 @@ static brdffit_status choose_channel_scales(struct reduced *r, const brdffit_opt
         } else if (!(r->channel_scale[k] > 0.0)) {
             r->channel_scale[k] = 1.0;
         }
-        if (!(magnitude / r->channel_scale[k] <= LIMIT_VALUE) || !isfinite(magnitude)) {
-            return brdffit_fail_at(error, "values span more than 150 orders of magnitude", BRDFFIT_NONE, k,
-                                   magnitude);
+        if (!(r->ii[k] / r->channel_scale[k] <= LIMIT_VALUE)) {
+            return brdffit_fail_at(error, "a channel's values span more than 150 orders of magnitude",
+                                   BRDFFIT_NONE, k, r->ii[k]);
         }
     }
     return BRDFFIT_OK;
@@ -206,22 +208,24 @@ static void sort_by_c(struct reduced *r)
 }
 
 /*
- * c computed from directions carries the rounding of their angles: those that agree to it are one c. (Without
- * this, mirror samples with c = 0 and c = 1e-33 would differ at sigma = 1e-12, and nowhere else.)
+ * Half-vector angles within TOL_ANGLE are one angle: mirror images of a direction differ in the last bits, and their
+ * sums merge once they have one c. The change relative to c - c_min is kept, for the moments to allow for; samples
+ * that join c_min itself have it by definition.
  */
 static void snap_c(struct reduced *r)
 {
-    double first = r->sample_c[r->order[0]];
+    double low = r->sample_c[r->order[0]], first = low;
     size_t i;
 
     for (i = 1; i < r->used; i++) {
-        double *c = &r->sample_c[r->order[i]];
+        double *c = &r->sample_c[r->order[i]], change = *c - first;
         double reach = (2.0 * sqrt(first) * (1.0 + first) + TOL_ANGLE) * TOL_ANGLE;
 
-        if (*c - first <= reach) {
-            *c = first;
-        } else {
+        if (!(change <= reach && (first == low || change <= TOL_SNAP * (first - low)))) {
             first = *c;
+        } else {
+            r->snapped = first == low ? r->snapped : fmax(r->snapped, change / (first - low));
+            *c = first;
         }
     }
 }
@@ -229,17 +233,17 @@ static void snap_c(struct reduced *r)
 brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples,
                               const brdffit_options *options, brdffit_error *error)
 {
-    double magnitude = 0.0;
-    brdffit_status status = classify(reduced, samples, options, &magnitude, error);
+    brdffit_status status = classify(reduced, samples, options, error);
 
     if (status == BRDFFIT_OK) {
-        status = choose_channel_scales(reduced, options, magnitude, error);
+        status = choose_channel_scales(reduced, options, error);
     }
     if (status == BRDFFIT_OK) {
         status = choose_scales(reduced, samples, error);
     }
     if (status == BRDFFIT_OK) {
         sort_by_c(reduced);
+        reduced->snapped = 0.0;
         if (samples->form == BRDFFIT_FORM_DIRECTIONS) {
             snap_c(reduced);
         }

@@ -25,6 +25,7 @@ struct reduced {
     size_t distinct;   /* M distinct c */
     size_t stride;     /* PADDED(M): distance of two rows of the arrays below */
     double c_min;
+    double snapped;    /* largest relative change of c - c_min by merging */
     double *c;         /* c - c_min, ascending */
     double *bb;        /* sum w b^2 */
     double *concentration; /* sum w^2 b^4 / bb^2, for the effective number of samples */

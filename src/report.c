@@ -24,17 +24,27 @@ static double objective_at(struct fit *f, struct point at, int p, double theta)
     return value.objective;
 }
 
-/* Whether the objective one FLAT_STEP towards `end` (or at the end, if nearer) stays below `level`. */
-static int flat_towards(struct fit *f, const struct point *at, int p, double end, double level)
+/* An objective and how far another may be from it and still be the same to rounding. */
+struct level {
+    double objective, tolerance;
+};
+
+static int same_level(struct fit *f, const struct point *at, int p, double theta, const struct level *level)
+{
+    return fabs(objective_at(f, *at, p, theta) - level->objective) <= level->tolerance;
+}
+
+/* Whether the objective one FLAT_STEP towards `end` (or at the end, if nearer) stays level. */
+static int flat_towards(struct fit *f, const struct point *at, int p, double end, const struct level *level)
 {
     double here = at->theta[p];
     double there = end > here ? fmin(end, here + FLAT_STEP) : fmax(end, here - FLAT_STEP);
 
-    return there == here || objective_at(f, *at, p, there) <= level;
+    return there == here || same_level(f, at, p, there, level);
 }
 
-/* Furthest theta towards `end` where the objective stays below `level`: doubling steps, then bisection. */
-static double flat_end(struct fit *f, const struct point *at, int p, double end, double level)
+/* Furthest theta towards `end` where the objective stays level: doubling steps, then bisection. */
+static double flat_end(struct fit *f, const struct point *at, int p, double end, const struct level *level)
 {
     double inside = at->theta[p], outside = inside, step = end > inside ? FLAT_STEP : -FLAT_STEP;
     int i;
@@ -42,14 +52,14 @@ static double flat_end(struct fit *f, const struct point *at, int p, double end,
     while (inside == outside && inside != end) {
         outside = end > inside ? fmin(end, inside + step) : fmax(end, inside + step);
         step *= 2.0;
-        if (objective_at(f, *at, p, outside) <= level) {
+        if (same_level(f, at, p, outside, level)) {
             inside = outside;
         }
     }
     for (i = 0; i < 40 && inside != outside; i++) {
         double middle = 0.5 * (inside + outside);
 
-        if (objective_at(f, *at, p, middle) <= level) {
+        if (same_level(f, at, p, middle, level)) {
             inside = middle;
         } else {
             outside = middle;
@@ -65,14 +75,14 @@ static double flat_end(struct fit *f, const struct point *at, int p, double end,
 static void flat_interval(struct fit *f, struct point *at, int p, double objective, const brdffit_options *o,
                           brdffit_lobe *lobe)
 {
-    double level = objective * (1.0 + TOL_FLAT_RELATIVE) + TOL_FLAT_ABSOLUTE * f->data.total;
+    struct level level = {objective, objective * TOL_FLAT_RELATIVE + TOL_FLAT_ABSOLUTE * f->data.total};
 
     lobe->warnings = 0;
     lobe->sigma_low = lobe->sigma_high = sigma_of(at->theta[p], o);
-    if (flat_towards(f, at, p, f->theta_low, level) && flat_towards(f, at, p, f->theta_high, level)) {
-        double high = flat_end(f, at, p, f->theta_high, level);
+    if (flat_towards(f, at, p, f->theta_low, &level) && flat_towards(f, at, p, f->theta_high, &level)) {
+        double high = flat_end(f, at, p, f->theta_high, &level);
 
-        at->theta[p] = flat_end(f, at, p, f->theta_low, level);
+        at->theta[p] = flat_end(f, at, p, f->theta_low, &level);
         lobe->warnings |= BRDFFIT_WARN_FLAT;
         lobe->sigma_high = sigma_of(at->theta[p], o);
         lobe->sigma_low = sigma_of(high < f->theta_high ? high : f->theta_tail, o);

@@ -17,6 +17,7 @@ struct search {
     const struct search_rules *rules;
     struct search_result *result;
     double closed;        /* smallest bound of a box that was closed */
+    double current;       /* bound of what is being split or not bounded yet; INFINITY between boxes */
     double stuck;         /* smallest bound of a box that cannot be split, part of `closed` */
     brdffit_stop stuck_by;
     uint64_t sequence;
@@ -37,7 +38,7 @@ static double global_bound(const struct search *s)
 {
     double open = s->heap->count ? s->heap->box[0].bound : INFINITY;
 
-    return fmin(fmin(open, s->closed), s->result->objective);
+    return fmin(fmin(fmin(open, s->closed), s->current), s->result->objective);
 }
 
 static int report(struct search *s)
@@ -131,6 +132,7 @@ static void first_boxes(struct search *s)
         }
     }
     improve(s, &best);
+    s->current = INFINITY;
 }
 
 /* Boxes that splitting this one would bound. */
@@ -180,6 +182,13 @@ static int split(struct search *s, const struct box *box)
     return children != 0;
 }
 
+/* Whether every side is too narrow to split; otherwise a node is what lacks. */
+static int narrow(const struct search *s, const struct box *box)
+{
+    return brdffit_axis_narrow(s->axis, box->interval[0]) &&
+           (s->engine->lobes < 2 || brdffit_axis_narrow(s->axis, box->interval[1]));
+}
+
 static void branch(struct search *s, struct box *box)
 {
     if (box_is_fine(s, box)) {
@@ -195,8 +204,7 @@ static void branch(struct search *s, struct box *box)
             return;
         }
     }
-    give_up(s, box, brdffit_axis_narrow(s->axis, box->interval[box->split]) ? BRDFFIT_STOP_ROUNDING
-                                                                           : BRDFFIT_STOP_MEMORY);
+    give_up(s, box, narrow(s, box) ? BRDFFIT_STOP_ROUNDING : BRDFFIT_STOP_MEMORY);
 }
 
 static brdffit_stop why_stopped(const struct search *s)
@@ -221,8 +229,9 @@ static brdffit_stop why_stopped(const struct search *s)
 void brdffit_search(struct axis *axis, struct heap *heap, const struct engine *engine,
                     const struct search_rules *rules, struct search_result *result)
 {
-    struct search s = {axis, heap, engine, rules, result, INFINITY, INFINITY, BRDFFIT_STOP_ROUNDING, 0, 0,
-                       rules->cancelled, 0};
+    struct search s = {.axis = axis, .heap = heap, .engine = engine, .rules = rules, .result = result,
+                       .closed = INFINITY, .stuck = INFINITY, .stuck_by = BRDFFIT_STOP_ROUNDING,
+                       .cancelled = rules->cancelled};
 
     heap->count = 0;
     result->boxes = 0;
@@ -239,7 +248,9 @@ void brdffit_search(struct axis *axis, struct heap *heap, const struct engine *e
             break;
         }
         (void)brdffit_heap_pop(heap);
+        s.current = box.bound;
         branch(&s, &box);
+        s.current = INFINITY;
     }
     result->lower_bound = global_bound(&s);
     result->stop = why_stopped(&s);

@@ -17,14 +17,18 @@
  * counts whatever its trigonometric functions rounded to (60 degrees: 4 ulp of cos). */
 #define TOL_INCIDENCE 1e-12
 
-/* Radians: half-vector angles computed from directions are no better than this, and equal within it. */
+/* Radians: directions are taken to be known to this (brdffit.h), so half-vector angles within it are one. */
 #define TOL_ANGLE 1e-15
+/* Relative to c - c_min: larger changes by that merging are left alone, where they would cost the bound. */
+#define TOL_SNAP 1e-13
 
 /* A direction whose cosine with the normal is below this counts as on the horizon: c and b stay finite. */
 #define LIMIT_GRAZING 1e-30
 
 /* Largest ratio of two non-zero b (or a) that squares into a double with room for sums. */
 #define LIMIT_COEFFICIENT_RATIO 1e140
+/* Largest c (tan^2 alpha): its products with s stay finite. */
+#define LIMIT_C 1e100
 /* Largest magnitude of data that is minimised in its own units: its square must stay finite. */
 #define LIMIT_VALUE 1e150
 

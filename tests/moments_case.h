@@ -16,6 +16,7 @@
 #include <math.h>
 
 #include "fit.h"
+#include "geometry.h"
 #include "support.h"
 #include "tolerance.h"
 
@@ -25,6 +26,7 @@
 struct moments_case {
     size_t count, channels;
     double a[MC_SAMPLES], b[MC_SAMPLES], c[MC_SAMPLES], values[MC_SAMPLES * MC_CHANNELS];
+    double light[3 * MC_SAMPLES], view[3 * MC_SAMPLES];
     brdffit_samples samples;
     brdffit_options options;
     struct fit fit;
@@ -65,6 +67,37 @@ static inline void mc_fill(struct moments_case *m, struct brdffit_test_random *r
     }
 }
 
+/*
+ * Directions instead: a goniometer in one plane, turned from sample to sample, so that half-vector angles repeat up to
+ * their rounding. The reduction merges such c; a, b and c here are the ones before that.
+ */
+static inline void mc_directions(struct moments_case *m)
+{
+    size_t i;
+
+    m->samples.form = BRDFFIT_FORM_DIRECTIONS;
+    m->samples.light = m->light;
+    m->samples.view = m->view;
+    for (i = 0; i < m->count; i++) {
+        double turn = 0.1309 * (double)i, theta = 0.05 * (double)(1 + i % 7), tilt = 0.1 * (double)(i % 5);
+        struct geometry g;
+        brdffit_status status;
+
+        m->light[3 * i] = sin(theta + tilt) * cos(turn);
+        m->light[3 * i + 1] = sin(theta + tilt) * sin(turn);
+        m->light[3 * i + 2] = cos(theta + tilt);
+        m->view[3 * i] = sin(tilt - theta) * cos(turn);
+        m->view[3 * i + 1] = sin(tilt - theta) * sin(turn);
+        m->view[3 * i + 2] = cos(tilt - theta);
+        assert_int_equal(brdffit_geometry_sample(&m->samples, BRDFFIT_BECKMANN, 0.0, i, &g, &status, NULL),
+                         BRDFFIT_SKIP_COUNT);
+        assert_int_equal(status, BRDFFIT_OK);
+        m->a[i] = g.a;
+        m->b[i] = g.b;
+        m->c[i] = g.c;
+    }
+}
+
 static inline void mc_new(struct moments_case *m, uint64_t seed)
 {
     struct brdffit_test_random random = {seed * 7919};
@@ -77,7 +110,11 @@ static inline void mc_new(struct moments_case *m, uint64_t seed)
     m->ggx = brdffit_test_below(&random, 2) == 0;
     mc_fill(m, &random);
     m->samples = brdffit_test_coefficients(m->count, m->channels, m->a, m->b, m->c, m->values);
+    if (brdffit_test_below(&random, 5) == 0) {
+        mc_directions(m);
+    }
     brdffit_options_init(&m->options);
+    m->options.max_incidence = 90.0;
     m->options.lobes = 2;
     m->options.distribution = m->ggx ? BRDFFIT_GGX : BRDFFIT_BECKMANN;
     m->options.box_budget = 64;

@@ -174,8 +174,8 @@ static int check_kkt(struct verdict *v)
                 continue;
             }
             if (length > 0.0L && !((z[j] > 0.0L ? fabsl(gradient) : gradient) <= allowed * length)) {
-                return wrong(v, "KKT: channel %zu column %zu (coefficient %.17Lg): gradient %.3Lg of the data's norm", k,
-                             j, z[j], gradient / length / norm);
+                return wrong(v, "KKT: channel %zu column %zu (coefficient %.17Lg): gradient %.3Lg of the data's norm",
+                             k, j, z[j], gradient / length / norm);
             }
         }
     }

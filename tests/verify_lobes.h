@@ -64,8 +64,8 @@ static inline long double effective_samples(struct verdict *v, int lobe, long do
 
         sum += g2;
         sum2 += g2 * g2;
-        *error += 8.0L * g2 *
-                  (p->sample[i].error_b + verify_lobe_error(p->ggx, p->sample[i].c, p->sample[i].error_c, v->sigma[lobe]));
+        *error += 8.0L * g2 * p->sample[i].error_b;
+        *error += 8.0L * g2 * verify_lobe_error(p->ggx, p->sample[i].c, p->sample[i].error_c, v->sigma[lobe]);
     }
     *error += 1e-12L;
     return sum > 0.0L ? sum * sum / sum2 : 0.0L;
@@ -111,7 +111,7 @@ static inline int check_flat(struct verdict *v, int j)
         e2 = verify_optimum(&v->problem, sigma);
         allowed = FLAT_TOLERANCE * v->e2 + FLAT_ABSOLUTE * v->problem.total + v->allowance;
         if (!(fabsl(e2 - v->e2) <= allowed + verify_allowance(&v->problem, sigma))) {
-            return wrong(v, "lobe %d is not flat on [%.17g, %.17g]: E^2 %.17Lg at %.17Lg, optimum %.17Lg at %.17Lg, %.17Lg",
+            return wrong(v, "lobe %d is not flat on [%.17g, %.17g]: E^2 %.17Lg at %.17Lg, but %.17Lg at %.17Lg, %.17Lg",
                          j, lobe->sigma_low, lobe->sigma_high, e2, sigma[j], v->e2, v->sigma[0], v->sigma[1]);
         }
     }
@@ -141,7 +141,8 @@ static inline int check_lobes(struct verdict *v)
             return wrong(v, "lobe %d: weight %.17g, should be %.17Lg", j, lobe->weight, weight);
         }
         if (v->sigma[j] >= verify_smallest_sigma(&v->problem) && !near(lobe->effective_samples, effective, error)) {
-            return wrong(v, "lobe %d: %.17g effective samples, should be %.17Lg", j, lobe->effective_samples, effective);
+            return wrong(v, "lobe %d: %.17g effective samples, should be %.17Lg", j, lobe->effective_samples,
+                         effective);
         }
         if (check_warnings(v, j, used) || check_flat(v, j)) {
             return 1;
