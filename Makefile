@@ -107,6 +107,8 @@ help:
 	@echo 'make deps        only install what is missing (Debian; elsewhere: say what is missing)'
 	@echo 'make install     to $(prefix) (PREFIX, DESTDIR, bindir, libdir, ... are honoured)'
 	@echo 'make uninstall   remove what install put there'
+	@echo 'make peers       levmar and Ceres, local solvers to compare with (downloads them; GPL)'
+	@echo 'make paper DATA=dir [STARTS=100]   the paper'\''s experiments on MERL or CSV files'
 	@echo 'make clean       remove what was built; keeps downloads'
 	@echo 'make distclean   remove $(BUILD)/ whole'
 	@echo
@@ -347,5 +349,7 @@ clean:
 
 distclean:
 	rm -rf $(BUILD)
+
+include tools/bench/peers.mk
 
 -include $(wildcard $(OBJ)/src/*.d $(OBJ)/src/io/*.d $(OBJ)/tools/*/*.d $(OBJ)/tests/*.d $(OBJ)/tests/*/*.d)

@@ -8,7 +8,8 @@
  *
  *     a = (n.l)/pi                                  diffuse
  *     g(sigma) = b lambda(s) exp(-c s), s = 1/sigma^2     specular
- *     Beckmann: b = G / (pi (n.v) cos^4 alpha), c = tan^2 alpha, lambda = s
+ *     Beckmann: b = G / (pi (n.v) cos^4 alpha), c = tan^2 alpha, lambda = s;
+ *     the other distributions: see brdffit_distribution
  *
  * I is radiance under unit irradiance at normal incidence, that is
  * f_r (n.l); alpha is the angle between the normal n and the half vector of
@@ -110,7 +111,8 @@ typedef enum brdffit_quantity {
  * ANGLES:       cos_light = n.l and cos_view = n.v in [-1, 1],
  *               tan2_half = tan^2 alpha in [0, 1e100], cos_difference = v.h in (0, 1].
  *               Samples with equal tan2_half (to the bit) merge exactly.
- * COEFFICIENTS: a, b, c >= 0, c <= 1e100. The quantity must be RADIANCE.
+ * COEFFICIENTS: a, b, c >= 0, c <= 1e100, of the distribution that is fitted.
+ *               The quantity must be RADIANCE.
  */
 typedef struct brdffit_samples {
     size_t struct_size;
@@ -149,21 +151,61 @@ BRDFFIT_API const char *brdffit_skip_string(brdffit_skip reason);
 
 /* ---- Options ----------------------------------------------------------- */
 
+/*
+ * What a lobe is: g = b lambda(s) exp(-c s) (GGX: b s (1 + c s)^-2), b times n.l as for radiance.
+ *
+ *                      s          lambda(s)         c                 b
+ * BECKMANN             1/sigma^2  s                 tan^2 alpha       G / (pi (n.v) cos^4 alpha)
+ * GGX                  1/sigma^2  s                 tan^2 alpha       the same
+ * TORRANCE_SPARROW     1/sigma^2  1                 alpha^2           G / (pi (n.v))
+ * WARD                 1/sigma^2  s                 tan^2 alpha       sqrt((n.l) / (n.v)) / (4 pi)
+ * BLINN_PHONG          n          (n + 2) / (2 pi)  -ln cos alpha     n.l
+ * ASHIKHMIN_SHIRLEY    n          (n + 1) / (8 pi)  -ln cos alpha     (n.l) / ((v.h) max(n.l, n.v))
+ * LAFORTUNE            n          (n + 2) / (2 pi)  -ln(r.v)          n.l; 0 where r.v <= 0
+ *
+ * with G = min{1, 2 (n.h)(n.v) / (v.h), 2 (n.h)(n.l) / (v.h)} and r the mirrored light, 2 (n.l) n - l; so
+ * exp(-c n) is cos^n alpha or (r.v)^n. n is any positive number. Sources: Cook and Torrance 1982 with Beckmann, as
+ * the paper's eq. 1-4 write it; Walter et al. 2007 (GGX); Torrance and Sparrow 1967, the paper's section 6; Ward
+ * 1992, isotropic; Blinn 1977 with today's factor (n + 2) / (2 pi); Ashikhmin and Shirley 2000 with n_u = n_v and
+ * without its Fresnel factor; Lafortune et al. 1997 with one mirror lobe, -C_x = -C_y = C_z.
+ */
 typedef enum brdffit_distribution {
-    BRDFFIT_BECKMANN = 0, /* Cook-Torrance with Beckmann, as the paper writes it */
-    BRDFFIT_GGX,          /* the same geometry with GGX: g = b s (1 + c s)^-2, theory 4.4 */
+    BRDFFIT_BECKMANN = 0,
+    BRDFFIT_GGX,
+    BRDFFIT_TORRANCE_SPARROW,
+    BRDFFIT_WARD,
+    BRDFFIT_BLINN_PHONG,
+    BRDFFIT_ASHIKHMIN_SHIRLEY,
+    BRDFFIT_LAFORTUNE,
     BRDFFIT_DISTRIBUTION_COUNT
 } brdffit_distribution;
 
-/* Constant name: "beckmann", "ggx". */
+/* Constant name: "beckmann", "ggx", "torrance-sparrow", "ward", "blinn-phong", "ashikhmin-shirley", "lafortune". */
 BRDFFIT_API const char *brdffit_distribution_string(brdffit_distribution distribution);
 
+/* Constant name of the parameter that the distribution is known by: "sigma" where s = 1/sigma^2, "exponent" where
+ * s = n; "unknown" for no distribution of ours. */
+BRDFFIT_API const char *brdffit_parameter_string(brdffit_distribution distribution);
+
 typedef enum brdffit_norm {
-    BRDFFIT_NORM_L2 = 0, /* sum of squares */
+    BRDFFIT_NORM_L2 = 0, /* sum_ik w_i r_ik^2 */
+    BRDFFIT_NORM_L1,     /* sum_ik w_i |r_ik|: indifferent to how far an outlier is out */
+    BRDFFIT_NORM_LINF,   /* largest |r_ik| over samples with w_i > 0 */
     BRDFFIT_NORM_COUNT
 } brdffit_norm;
 
 BRDFFIT_API const char *brdffit_norm_string(brdffit_norm norm);
+
+/* How boxes of roughness are discarded; both prove the same thing. */
+typedef enum brdffit_engine {
+    BRDFFIT_ENGINE_MOMENT = 0, /* second-order bounds from convexity in moment space: fast, never allocates */
+    BRDFFIT_ENGINE_SOCP,       /* the paper's feasibility problem by ECOS with certificates checked by us; allocates
+                                  a solver per fit; BRDFFIT_ERR_UNSUPPORTED in a build without ECOS */
+    BRDFFIT_ENGINE_COUNT
+} brdffit_engine;
+
+/* Constant name: "moment", "socp". */
+BRDFFIT_API const char *brdffit_engine_string(brdffit_engine engine);
 
 typedef enum brdffit_normalise {
     BRDFFIT_NORMALISE_MAX = 0, /* divide each channel by its largest used radiance (the paper's) */
@@ -193,13 +235,18 @@ typedef struct brdffit_options {
     brdffit_distribution distribution;
     brdffit_norm norm;
     brdffit_normalise normalise;
+    brdffit_engine engine;   /* Default moment */
+    int socp_every_box;      /* engine socp: 1 sends every box to ECOS as the paper does; 0 (default) decides the
+                                ones that a closed form can */
     double sigma_min;        /* > 0, >= 1e-12. Default 1e-12 */
     double sigma_max;        /* >= sigma_min, <= 1e3. Default 6 */
+    double exponent_min;     /* these two instead for distributions whose parameter is the exponent n: */
+    double exponent_max;     /* 1e-6 <= exponent_min <= exponent_max <= 1e24. Default 0.1 and 1e7 */
     double relative_gap;     /* stop when E^2 <= (1 + gap) lower bound; > 0. Default 1e-3 */
     double absolute_gap;     /* or when E^2 - lower bound <= this fraction of the data's sum of
                                 squares; >= 0. Default 1e-12 */
-    double sigma_resolution; /* boxes narrower than this in every sigma are not split; >= 0.
-                                Default 0: off */
+    double sigma_resolution; /* boxes narrower than this in every sigma (1/sqrt(n)) are not split;
+                                >= 0. Default 0: off */
     size_t box_budget;       /* most boxes to bound; >= 1. Default 1000000. Sizes the workspace */
     double max_incidence;    /* degrees, (0, 90]; 90 or more uses all above the horizon. Default 60 */
     brdffit_progress_fn progress; /* or NULL */
@@ -231,7 +278,7 @@ typedef struct brdffit_model {
     brdffit_distribution distribution;
     int lobes;       /* P */
     size_t channels; /* K */
-    double sigma[BRDFFIT_MAX_LOBES]; /* roughness, ascending */
+    double sigma[BRDFFIT_MAX_LOBES]; /* roughness, ascending; 1/sqrt(n) where the parameter is n */
     const double *x; /* K diffuse coefficients, in the data's units */
     const double *y; /* K x P row-major specular coefficients, in the data's units;
                         y multiplies lambda(s) exp(-c s) b: the paper's scaling */
@@ -241,12 +288,15 @@ typedef struct brdffit_model {
 #define BRDFFIT_WARN_UNRESOLVED 1u /* fewer than 3 effective samples: the directions do not resolve it */
 #define BRDFFIT_WARN_FLAT 2u       /* the data cannot tell sigma inside [sigma_low, sigma_high] */
 #define BRDFFIT_WARN_UNUSED 4u     /* its coefficient is zero in every channel */
-#define BRDFFIT_WARN_AT_LIMIT 8u   /* sigma sits on sigma_min or sigma_max: widen the range */
+#define BRDFFIT_WARN_AT_LIMIT 8u   /* sigma (the exponent) sits on an end of its range: widen the range */
 
 typedef struct brdffit_lobe {
     double sigma;             /* of the optimum; the largest where E^2 is flat */
     double sigma_low;         /* E^2 is the optimum's to rounding on [sigma_low, sigma_high]; */
     double sigma_high;        /* both equal sigma when the data do identify it */
+    double exponent;          /* n of the optimum, the smallest where E^2 is flat; sigma = 1/sqrt(n). */
+    double exponent_low;      /* The same interval in terms of n: from sigma_high */
+    double exponent_high;     /* to sigma_low. All three 0 where the parameter is sigma */
     double weight;            /* w_p: this lobe's share of the sum of all y; 0 if all are zero */
     double effective_samples; /* N_eff = (sum g^2)^2 / sum g^4, at most the samples used */
     unsigned warnings;        /* BRDFFIT_WARN_* */
@@ -267,11 +317,18 @@ typedef struct brdffit_result {
     double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
     double gap;                  /* e2 - lower_bound, >= 0 */
     double sum_of_squares;       /* E^2 of the zero model */
+    double sigma_floor;          /* the bound holds for sigma in [sigma_floor, sigma_max]: sigma_min, unless no sample
+                                    is near the mirror direction; then narrower lobes have coefficients y beyond
+                                    any double (c_min / sigma^2 above about 690) and are outside of the model; INFINITY
+                                    when that leaves no lobe at all */
     double kkt_residual;         /* of the coefficients given sigma, relative to the data's norm */
     brdffit_stop stop;
     int certified;               /* 1 when stop is a gap; 0: incumbent and bound are valid, gap is open */
     size_t boxes;                /* bounded by the search */
-    size_t nodes;                /* one-dimensional evaluations */
+    size_t nodes;                /* one-dimensional evaluations; engine socp: restricted problems */
+    size_t socp_solved;          /* cone programs solved by ECOS */
+    size_t socp_refused;         /* of these, without a certificate that holds: the box was kept */
+    size_t socp_decided;         /* boxes that needed no cone program */
     size_t distinct_c;           /* samples were merged into this many distinct c */
     size_t samples_used;
     size_t samples_skipped[BRDFFIT_SKIP_COUNT];
@@ -297,7 +354,8 @@ BRDFFIT_API brdffit_status brdffit_fit(const brdffit_samples *samples, const brd
                                        brdffit_result *result, brdffit_error *error);
 
 /*
- * What brdffit_fit() would use: validates like it, counts used samples and those skipped under each reason.
+ * What brdffit_fit() would use: validates options and each sample like it (limits on the data as a whole, such as how
+ * far b may span, are left to the fit), counts used samples and those skipped under each reason.
  * `used` and `skipped` may be NULL. Having no samples left is BRDFFIT_ERR_NO_SAMPLES here too, with the counts
  * filled in.
  */
@@ -319,8 +377,8 @@ BRDFFIT_API void brdffit_fit_free(brdffit_result *result);
  * read; at->channels is ignored): out is at->count x model->channels,
  * row-major, f_r or radiance as at->quantity says. Directions on or below
  * the horizon give 0. NaN or infinite input fails with BRDFFIT_ERR_VALUE and
- * nothing useful in out. GGX and Beckmann share geometry, so COEFFICIENTS
- * work for both.
+ * nothing useful in out. COEFFICIENTS are those of the model's distribution;
+ * GGX and Beckmann share theirs.
  */
 BRDFFIT_API brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *at,
                                         double *out, brdffit_error *error);

@@ -12,6 +12,11 @@
 
 #include "arena.h"
 
+/* A point of the domain: the coordinate of each lobe. */
+struct point {
+    double theta[2];
+};
+
 struct axis_interval {
     uint32_t low, high; /* nodes */
     uint32_t child;     /* first of two consecutive children; 0: not split yet */

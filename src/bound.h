@@ -8,17 +8,12 @@
 #include "axis.h"
 #include "heap.h"
 
-/* A point of the domain: theta of each lobe. */
-struct point {
-    double theta[2];
-};
-
 struct engine {
     void *self;
     int lobes;
 
     /*
-     * Set box->bound to a proven lower bound of the objective for every point of box->interval, and box->split
+     * On entry box->bound is what would close the box: more is not asked for. Set it to a proven lower bound of the objective for every point of box->interval, and box->split
      * to the lobe whose interval had better be split. Returns the smallest (approximate) objective met on the
      * way and its point in *met, or infinity.
      */

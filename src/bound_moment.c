@@ -30,10 +30,9 @@ void brdffit_bound_moment_layout(struct bound_moment *e, struct arena *arena, si
 }
 
 void brdffit_bound_moment_start(struct bound_moment *e, const struct reduced *data, const struct family *family,
-                                const struct axis *axis, int lobes, double theta_limit)
+                                const struct axis *axis, int lobes)
 {
     e->axis = axis;
-    e->theta_limit = theta_limit;
     brdffit_moments_start(&e->moments, data, family, lobes);
     brdffit_intervals_start(&e->intervals, &e->moments);
 }
@@ -58,7 +57,7 @@ void brdffit_bound_moment_meet(const struct bound_moment *e, double gain, const 
 {
     double objective = e->moments.data->total - gain;
 
-    if (objective < *best && theta[0] <= e->theta_limit && theta[1] <= e->theta_limit) {
+    if (objective < *best) {
         *best = objective;
         met->theta[0] = theta[0];
         met->theta[1] = theta[1];

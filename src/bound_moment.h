@@ -12,15 +12,13 @@ struct bound_moment {
     const struct axis *axis;
     struct moments moments;
     struct intervals intervals;
-    double theta_limit; /* points beyond it have no finite y: they are bounded but never met */
 };
 
 void brdffit_bound_moment_layout(struct bound_moment *engine, struct arena *arena, size_t count,
                                  size_t channels, uint32_t node_capacity, int lobes);
 
 void brdffit_bound_moment_start(struct bound_moment *engine, const struct reduced *data,
-                                const struct family *family, const struct axis *axis, int lobes,
-                                double theta_limit);
+                                const struct family *family, const struct axis *axis, int lobes);
 
 /* What is known of one interval of the axis. */
 const struct interval *brdffit_bound_moment_side(struct bound_moment *engine, uint32_t index);

@@ -19,8 +19,10 @@ static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown distribution or number of lobes");
     }
     for (p = 0; p < m->lobes; p++) {
-        if (!(m->sigma[p] > 0.0 && isfinite(m->sigma[p]))) {
-            return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: sigma must be positive and finite");
+        double s = 1.0 / (m->sigma[p] * m->sigma[p]);
+
+        if (!(m->sigma[p] > 0.0 && s > 0.0 && isfinite(s))) {
+            return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: sigma must be positive, and 1/sigma^2 finite");
         }
     }
     return BRDFFIT_OK;

@@ -9,7 +9,9 @@
 #include "kernel_log.h"
 #include "tolerance.h"
 
-/* ---- exponential: Beckmann has lambda(s) = s ---- */
+#define PI 3.14159265358979323846
+
+/* ---- exponential: all but the last two functions of each, which hold lambda, are the same ---- */
 
 static void exponential_variable(double c_min, double theta, double u[3])
 {
@@ -35,11 +37,6 @@ static void exponential_slope(double c, double u, double *ell, double *slope)
     *slope = 0.0;
 }
 
-static double exponential_factor(double c_min, double s)
-{
-    return s * kernel_exp(-c_min * s);
-}
-
 /* ln of sqrt(m bb_j / bb_0): what a sample weighs against the sharpest one. */
 static double weight_exponent(const double *bb, size_t j, size_t m)
 {
@@ -58,26 +55,65 @@ static double exponential_tail(const double *c, const double *bb, size_t m, doub
     return tail;
 }
 
-static double exponential_largest_s(double c_min)
+static double exponential_exponent(double c_min, double s)
 {
-    return c_min > 0.0 ? LIMIT_EXPONENT / c_min : INFINITY;
+    return c_min * s;
 }
 
+/* lambda(s) = s: Beckmann, Ward */
 static double exponential_evaluate(double s, double c)
 {
     return s * kernel_exp(-c * s);
 }
 
-const struct family brdffit_family_exponential = {
-    1,
-    exponential_variable,
-    exponential_shape,
-    exponential_slope,
-    exponential_factor,
-    exponential_tail,
-    exponential_largest_s,
-    exponential_evaluate,
-};
+static double exponential_factor(double c_min, double s)
+{
+    return exponential_evaluate(s, c_min);
+}
+
+/* lambda(s) = 1: Torrance-Sparrow */
+static double sparrow_evaluate(double s, double c)
+{
+    return kernel_exp(-c * s);
+}
+
+static double sparrow_factor(double c_min, double s)
+{
+    return sparrow_evaluate(s, c_min);
+}
+
+/* lambda(s) = (s + 2) / (2 pi): Blinn-Phong, Lafortune */
+static double phong_evaluate(double s, double c)
+{
+    return (s + 2.0) / (2.0 * PI) * kernel_exp(-c * s);
+}
+
+static double phong_factor(double c_min, double s)
+{
+    return phong_evaluate(s, c_min);
+}
+
+/* lambda(s) = (s + 1) / (8 pi): Ashikhmin-Shirley */
+static double ashikhmin_evaluate(double s, double c)
+{
+    return (s + 1.0) / (8.0 * PI) * kernel_exp(-c * s);
+}
+
+static double ashikhmin_factor(double c_min, double s)
+{
+    return ashikhmin_evaluate(s, c_min);
+}
+
+#define EXPONENTIAL(by_exponent, name)                                                                         \
+    {                                                                                                          \
+        1, by_exponent, exponential_variable, exponential_shape, exponential_slope, name##_factor,             \
+            exponential_tail, exponential_exponent, name##_evaluate                                           \
+    }
+
+const struct family brdffit_family_exponential = EXPONENTIAL(0, exponential);
+static const struct family family_sparrow = EXPONENTIAL(0, sparrow);
+static const struct family family_phong = EXPONENTIAL(1, phong);
+static const struct family family_ashikhmin = EXPONENTIAL(1, ashikhmin);
 
 /* ---- GGX ---- */
 
@@ -114,24 +150,29 @@ static double ggx_factor(double c_min, double s)
     return s / (rest * rest);
 }
 
-/* phi falls like (c s)^-2 where c_min = 0; where c_min > 0, u stops growing at 1 / c_min. */
+/*
+ * Where c_min = 0, phi falls like (c s)^-2 towards 0. Where c_min > 0 it goes to (c_min / c)^2 as u goes to 1 / c_min,
+ * like 1 / (c_min s), and only that decides: phi may be far from its limit long after c s is large.
+ */
 static double ggx_tail(const double *c, const double *bb, size_t m, double c_min)
 {
     double tail = 0.0;
     size_t j;
 
+    if (c_min > 0.0) {
+        return m > 1 ? kernel_exp(TAIL_EXPONENT) / c_min : 0.0;
+    }
     for (j = 1; j < m; j++) {
         double exponent = 0.5 * (TAIL_EXPONENT + weight_exponent(bb, j, m));
 
         tail = fmax(tail, kernel_exp(fmin(exponent, 600.0)) / c[j]);
     }
-    return c_min > 0.0 ? fmin(tail, kernel_exp(TAIL_EXPONENT) / c_min) : tail;
+    return tail;
 }
 
-static double ggx_largest_s(double c_min)
+static double ggx_exponent(double c_min, double s)
 {
-    (void)c_min;
-    return INFINITY;
+    return 2.0 * kernel_log(1.0 + c_min * s);
 }
 
 static double ggx_evaluate(double s, double c)
@@ -142,10 +183,28 @@ static double ggx_evaluate(double s, double c)
 }
 
 const struct family brdffit_family_ggx = {
-    0, ggx_variable, ggx_shape, ggx_slope, ggx_factor, ggx_tail, ggx_largest_s, ggx_evaluate,
+    0, 0, ggx_variable, ggx_shape, ggx_slope, ggx_factor, ggx_tail, ggx_exponent, ggx_evaluate,
 };
 
 const struct family *brdffit_family_of(brdffit_distribution distribution)
 {
-    return distribution == BRDFFIT_GGX ? &brdffit_family_ggx : &brdffit_family_exponential;
+    static const struct family *const family[BRDFFIT_DISTRIBUTION_COUNT] = {
+        [BRDFFIT_BECKMANN] = &brdffit_family_exponential,
+        [BRDFFIT_GGX] = &brdffit_family_ggx,
+        [BRDFFIT_TORRANCE_SPARROW] = &family_sparrow,
+        [BRDFFIT_WARD] = &brdffit_family_exponential,
+        [BRDFFIT_BLINN_PHONG] = &family_phong,
+        [BRDFFIT_ASHIKHMIN_SHIRLEY] = &family_ashikhmin,
+        [BRDFFIT_LAFORTUNE] = &family_phong,
+    };
+
+    return family[distribution];
+}
+
+const char *brdffit_parameter_string(brdffit_distribution distribution)
+{
+    if (!((unsigned)distribution < BRDFFIT_DISTRIBUTION_COUNT)) {
+        return "unknown";
+    }
+    return brdffit_family_of(distribution)->by_exponent ? "exponent" : "sigma";
 }

@@ -3,7 +3,7 @@
  * phi(0, c') = 1, phi decreases in u and in c', and is log-convex in u, so that every moment of phi is a
  * decreasing function whose range on an interval is its two end values. The scalar factor only rescales y.
  *
- *   exponential: phi = exp(-c' u), u = s, factor = lambda(s) exp(-c_min s)
+ *   exponential: phi = exp(-c' u), u = s, factor = lambda(s) exp(-c_min s); the distributions differ in lambda
  *   GGX:         phi = (1 + c' u)^-2, u = s / (1 + c_min s), factor = s (1 + c_min s)^-2
  *                (dividing (1 + c s)^-2 by its value at c_min gives the same function of c' and u)
  *
@@ -19,6 +19,7 @@
 
 struct family {
     int exponential; /* the fast case: ell = -c' whatever u is, and slope = 0 */
+    int by_exponent; /* the user's parameter is the exponent n = s, and not sigma = 1 / sqrt(s) */
 
     /* u and its first and second derivative by theta. */
     void (*variable)(double c_min, double theta, double u[3]);
@@ -33,21 +34,22 @@ struct family {
     double (*factor)(double c_min, double s);
 
     /*
-     * Smallest s beyond which phi(u(s), c_j) sqrt(bb_j / bb_0) is within exp(-TAIL_EXPONENT) of its limit for
+     * An s beyond which phi(u(s), c_j) sqrt(bb_j / bb_0) is within exp(-TAIL_EXPONENT) of its limit for
      * every j > 0, so that nothing changes to rounding. 0 when nothing ever changes (m = 1).
      */
     double (*tail)(const double *c, const double *bb, size_t m, double c_min);
 
-    /* Largest s whose factor is a normal number. */
-    double (*largest_s)(double c_min);
+    /* ln(1 / phi(s, c_min)): how far the factor falls, but for lambda. */
+    double (*exponent)(double c_min, double s);
 
     /* g / b at one (s, c): lambda(s) phi(s, c), for evaluation. */
     double (*evaluate)(double s, double c);
 };
 
-extern const struct family brdffit_family_exponential;
+extern const struct family brdffit_family_exponential; /* lambda(s) = s */
 extern const struct family brdffit_family_ggx;
 
+/* The distribution must be one of ours. */
 const struct family *brdffit_family_of(brdffit_distribution distribution);
 
 #endif

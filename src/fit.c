@@ -6,57 +6,7 @@
 #include <math.h>
 
 #include "geometry.h"
-#include "kernel_exp.h"
-#include "kernel_log.h"
 #include "tolerance.h"
-
-void brdffit_fit_prepare(struct fit *f, const brdffit_options *o)
-{
-    const struct reduced *data = &f->data;
-    double tail, limit;
-
-    f->family = brdffit_family_of(o->distribution);
-    f->varpro.data = data;
-    f->varpro.family = f->family;
-    tail = f->family->tail(data->c, data->bb, data->distinct, data->c_min);
-    limit = f->family->largest_s(data->c_min);
-    f->theta_low = -2.0 * kernel_log(o->sigma_max);
-    f->theta_tail = -2.0 * kernel_log(o->sigma_min);
-    f->theta_high = f->theta_tail;
-    if (!(tail > 0.0)) {
-        f->theta_high = f->theta_low;
-    } else if (isfinite(tail)) {
-        f->theta_high = fmax(f->theta_low, fmin(f->theta_tail, kernel_log(tail)));
-    }
-    f->varpro.theta_low = f->theta_low;
-    f->varpro.theta_high = f->theta_high;
-    f->varpro.theta_limit = isfinite(limit) ? kernel_log(limit) : INFINITY;
-}
-
-static double try_point(void *self, struct point *point)
-{
-    struct fit *f = self;
-
-    return brdffit_varpro_descend(&f->varpro, point);
-}
-
-static double width(void *self, uint32_t interval)
-{
-    const struct fit *f = self;
-    const struct axis_interval *i = &f->axis.interval[interval];
-
-    return kernel_exp(-0.5 * f->axis.coordinate[i->low]) - kernel_exp(-0.5 * f->axis.coordinate[i->high]);
-}
-
-static double bound_one(void *self, struct box *box, struct point *met)
-{
-    return brdffit_bound_moment_one(&((struct fit *)self)->moment, box, met);
-}
-
-static double bound_two(void *self, struct box *box, struct point *met)
-{
-    return brdffit_bound_moment_two(&((struct fit *)self)->moment, box, met);
-}
 
 /* First partition: as fine as the budget allows, so that even a budget of one box gives a bound of the whole. */
 static uint32_t first_intervals(const brdffit_options *o)
@@ -74,7 +24,7 @@ static double objective_scale(const struct reduced *data, const brdffit_options 
 {
     double value = o->normalise == BRDFFIT_NORMALISE_NONE ? data->channel_scale[0] : 1.0;
 
-    return data->scale_w * value * value;
+    return o->norm == BRDFFIT_NORM_L2 ? data->scale_w * value * value : o->norm == BRDFFIT_NORM_L1 ? data->scale_w * value : value;
 }
 
 static int report_reduced(const struct fit *f, const brdffit_options *o)
@@ -91,21 +41,22 @@ static int report_reduced(const struct fit *f, const brdffit_options *o)
     return o->progress(o->progress_user, &p) != 0;
 }
 
-static void search(struct fit *f, const brdffit_options *o, struct search_result *found)
+static brdffit_status search(struct fit *f, const brdffit_options *o, struct search_result *found,
+                             brdffit_error *error)
 {
     struct engine engine;
     struct search_rules rules;
+    brdffit_status status;
 
     rules.cancelled = report_reduced(f, o);
     brdffit_fit_prepare(f, o);
     brdffit_axis_start(&f->axis, f->theta_low, f->theta_high, first_intervals(o));
-    brdffit_bound_moment_start(&f->moment, &f->data, f->family, &f->axis, o->lobes, f->varpro.theta_limit);
-    engine.self = f;
-    engine.lobes = o->lobes;
-    engine.bound = o->lobes > 1 ? bound_two : bound_one;
-    engine.try_point = try_point;
-    engine.width = width;
-    engine.noise = 2.0 * f->moment.moments.slack;
+    status = brdffit_fit_engine_start(f, o, &engine);
+    if (status != BRDFFIT_OK) {
+        return brdffit_fail(error, status, status == BRDFFIT_ERR_UNSUPPORTED
+                                               ? "norms l1 and linf and engine socp need ECOS, which this build is without"
+                                               : "ECOS could not set up its solver");
+    }
     rules.relative_gap = o->relative_gap;
     rules.absolute_gap = o->absolute_gap * f->data.total;
     rules.sigma_resolution = o->sigma_resolution;
@@ -114,6 +65,7 @@ static void search(struct fit *f, const brdffit_options *o, struct search_result
     rules.progress_user = o->progress_user;
     rules.progress_scale = objective_scale(&f->data, o);
     brdffit_search(&f->axis, &f->heap, &engine, &rules, found);
+    return BRDFFIT_OK;
 }
 
 static brdffit_status check_call(const brdffit_samples *samples, const brdffit_options *options,
@@ -165,7 +117,15 @@ brdffit_status brdffit_fit(const brdffit_samples *samples, const brdffit_options
     if (status != BRDFFIT_OK) {
         return status;
     }
-    search(&fit, options, &found);
+    if (fit.data.total > 0.0 && !isnormal(fit.data.total * objective_scale(&fit.data, options))) {
+        return brdffit_fail_at(error, "the weighted sum of squares is beyond a double: scale values or weights",
+                               BRDFFIT_NONE, BRDFFIT_NONE, fit.data.total * objective_scale(&fit.data, options));
+    }
+    status = search(&fit, options, &found, error);
+    if (status != BRDFFIT_OK) {
+        return status;
+    }
     brdffit_report(&fit, options, objective_scale(&fit.data, options), &found, result);
+    brdffit_fit_engine_finish(&fit, options);
     return BRDFFIT_OK;
 }

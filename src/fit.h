@@ -7,7 +7,9 @@
 
 #include "arena.h"
 #include "axis.h"
+#include "bound_lp.h"
 #include "bound_moment.h"
+#include "bound_socp.h"
 #include "brdffit.h"
 #include "heap.h"
 #include "reduce.h"
@@ -18,11 +20,16 @@ struct fit {
     struct reduced data;
     struct axis axis;
     struct heap heap;
-    struct bound_moment moment;
+    struct bound_moment moment; /* only the engine in use is laid out */
+    struct bound_socp socp;
+    struct bound_lp linear;
+    struct restricted_lp restricted; /* norms l1 and linf only */
     struct varpro varpro;
     const struct family *family;
+    brdffit_norm norm;
     double theta_low, theta_high; /* domain of the search; the tail counts as its end */
-    double theta_tail;            /* end of the options' range, >= theta_high */
+    double theta_flat;            /* beyond theta_high nothing changes up to here: the end of the range, or of finite y */
+    double theta_tail;            /* end of the options' range */
     double *x, *y, *rms;          /* K, K x P, K: the result's arrays */
 };
 
@@ -38,6 +45,13 @@ void brdffit_fit_layout(struct fit *fit, struct arena *arena, size_t count, size
  * lobe no longer changes (theory 4.1).
  */
 void brdffit_fit_prepare(struct fit *fit, const brdffit_options *options);
+
+/* Make the engine that the options name, after brdffit_fit_prepare(); finish releases what engine socp allocated. */
+brdffit_status brdffit_fit_engine_start(struct fit *fit, const brdffit_options *options, struct engine *engine);
+void brdffit_fit_engine_finish(struct fit *fit, const brdffit_options *options);
+
+/* Exact objective at a point in the fit's norm, while its engine is there. With `prove`, value->kkt is meant too. */
+void brdffit_fit_evaluate(struct fit *fit, const struct point *at, int prove, struct varpro_value *value);
 
 /* Fill *result from the outcome of a search; objective_scale turns its objective into the caller's units. */
 void brdffit_report(struct fit *fit, const brdffit_options *options, double objective_scale,

@@ -1,5 +1,6 @@
 /*
- * Directions to (a, b, c): see geometry.h; theory section 1. Layer 2. SPDX-License-Identifier: MIT
+ * Directions to angles, and which samples count: see geometry.h; geometry_rows.c makes (a, b, c) of them.
+ * Layer 2. SPDX-License-Identifier: MIT
  *
  * tan^2 alpha comes from the unnormalised half vector h = l + v as |n x h|^2 / (n.h)^2: near the mirror
  * direction 1 - (n.h)^2 would lose every digit that matters there.
@@ -8,6 +9,7 @@
 
 #include <math.h>
 
+#include "geometry_rows.h"
 #include "tolerance.h"
 
 #define PI 3.14159265358979323846
@@ -185,19 +187,6 @@ static brdffit_status angles_given(const brdffit_samples *s, size_t i, struct ge
     return BRDFFIT_OK;
 }
 
-/* Cook-Torrance with Beckmann or GGX: theory section 1, first row of its table, and 4.4. */
-static void cook_torrance(const struct geometry_angles *g, struct geometry *out)
-{
-    double cos2_half = 1.0 / (1.0 + g->tan2_half);
-    double shared = 2.0 * sqrt(cos2_half) / g->cos_difference;
-    double shadowing = fmin(1.0, shared * fmin(g->cos_view, g->cos_light));
-
-    out->a = g->cos_light / PI;
-    out->b = shadowing / (PI * g->cos_view * cos2_half * cos2_half);
-    out->c = g->tan2_half;
-    out->cos_light = g->cos_light;
-}
-
 static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, struct geometry *out,
                                          brdffit_error *error)
 {
@@ -223,7 +212,6 @@ brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribut
 {
     struct geometry_angles angles;
 
-    (void)distribution; /* both distributions share this row of geometry */
     *status = BRDFFIT_OK;
     if (s->weights && !(s->weights[i] >= 0.0 && isfinite(s->weights[i]))) {
         *status = brdffit_fail_at(error, "weight is not finite and >= 0", i, BRDFFIT_NONE, s->weights[i]);
@@ -250,6 +238,6 @@ brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribut
     if (angles.cos_light < min_cosine) {
         return BRDFFIT_SKIP_INCIDENCE;
     }
-    cook_torrance(&angles, out);
+    brdffit_geometry_row(distribution, &angles, out);
     return BRDFFIT_SKIP_COUNT;
 }

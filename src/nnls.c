@@ -4,8 +4,8 @@
  * Columns are scaled to unit norm (a power of two first, so that squares neither overflow nor vanish) and
  * orthogonalised by Gram-Schmidt with one re-orthogonalisation, which makes Q orthogonal to rounding
  * ("twice is enough"). With t = Q'data every support S is a least-squares problem in the columns of the
- * little triangle R, and the optimum over z >= 0 is the feasible support with the largest projection: the
- * optimal support is feasible, and any feasible z is an upper bound. A support with a column that depends
+ * little triangle R, and the optimum over z >= 0 is the feasible support that leaves least of t: the optimal
+ * support is feasible, and any feasible z is an upper bound. A support with a column that depends
  * on the others to rounding is left out: the same cone is spanned without it.
  */
 #include "nnls.h"
@@ -135,18 +135,29 @@ static int support_factor(const struct nnls *nnls, unsigned bits, struct support
     return 1;
 }
 
-/* Solve the support for t; returns the squared projection. z has one entry a column of the support. */
+/*
+ * Solve the support for t; z has one entry a column of the support. Returns the squared norm of what is left of t,
+ * from the rest itself: where data are fitted exactly, supports whose projections agree to rounding differ in it.
+ */
 static double support_solve(const struct support *s, const double *t, int columns, double *z)
 {
-    double gain = 0.0;
+    double rest[NNLS_COLUMNS] = {0.0, 0.0, 0.0}, left = 0.0;
     int i, j, k;
 
+    for (k = 0; k < columns; k++) {
+        rest[k] = t[k];
+    }
     for (j = 0; j < s->count; j++) {
         z[j] = 0.0;
         for (k = 0; k < columns; k++) {
-            z[j] += s->basis[j][k] * t[k];
+            z[j] += s->basis[j][k] * rest[k];
         }
-        gain += z[j] * z[j];
+        for (k = 0; k < columns; k++) {
+            rest[k] -= z[j] * s->basis[j][k];
+        }
+    }
+    for (k = 0; k < columns; k++) {
+        left += rest[k] * rest[k];
     }
     for (j = s->count - 1; j >= 0; j--) {
         for (i = j + 1; i < s->count; i++) {
@@ -154,34 +165,35 @@ static double support_solve(const struct support *s, const double *t, int column
         }
         z[j] /= s->upper[j][j];
     }
-    return gain;
+    return left;
 }
 
 /* Best feasible support for t; writes unit-column coefficients. */
 static unsigned best_support(const struct nnls *nnls, const double *t, double *unit, struct support *best)
 {
     unsigned bits, chosen = 0;
-    double gain = 0.0;
+    double least = 0.0;
     int j;
 
     for (j = 0; j < NNLS_COLUMNS; j++) {
         unit[j] = 0.0;
+        least += j < nnls->columns ? t[j] * t[j] : 0.0;
     }
     for (bits = 1; bits < 1u << nnls->columns; bits++) {
         struct support s;
         double z[NNLS_COLUMNS];
-        double here;
+        double left;
         int feasible = 1;
 
         if (!support_factor(nnls, bits, &s)) {
             continue;
         }
-        here = support_solve(&s, t, nnls->columns, z);
+        left = support_solve(&s, t, nnls->columns, z);
         for (j = 0; j < s.count; j++) {
             feasible = feasible && z[j] > 0.0;
         }
-        if (feasible && here > gain) {
-            gain = here;
+        if (feasible && left < least) {
+            least = left;
             chosen = bits;
             *best = s;
             for (j = 0; j < NNLS_COLUMNS; j++) {

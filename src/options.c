@@ -16,9 +16,12 @@ void brdffit_options_init(brdffit_options *o)
     o->lobes = 1;
     o->distribution = BRDFFIT_BECKMANN;
     o->norm = BRDFFIT_NORM_L2;
+    o->engine = BRDFFIT_ENGINE_MOMENT;
     o->normalise = BRDFFIT_NORMALISE_MAX;
     o->sigma_min = 1e-12;
     o->sigma_max = 6.0;
+    o->exponent_min = 0.1;
+    o->exponent_max = 1e7;
     o->relative_gap = 1e-3;
     o->absolute_gap = 1e-12;
     o->sigma_resolution = 0.0;
@@ -42,6 +45,9 @@ static brdffit_status check_choices(const brdffit_options *o, brdffit_error *err
     }
     if (!((unsigned)o->distribution < BRDFFIT_DISTRIBUTION_COUNT)) {
         return bad(error, "unknown distribution", (double)o->distribution);
+    }
+    if (!((unsigned)o->engine < BRDFFIT_ENGINE_COUNT)) {
+        return bad(error, "unknown engine", (double)o->engine);
     }
     if (!((unsigned)o->norm < BRDFFIT_NORM_COUNT)) {
         return bad(error, "unknown norm", (double)o->norm);
@@ -69,6 +75,12 @@ brdffit_status brdffit_options_check(const brdffit_options *o, brdffit_error *er
     if (!(o->sigma_max >= o->sigma_min && o->sigma_max <= LIMIT_SIGMA_MAX)) {
         return bad(error, "sigma_max must be in [sigma_min, 1e3]", o->sigma_max);
     }
+    if (!(o->exponent_min >= LIMIT_EXPONENT_MIN && o->exponent_min <= LIMIT_EXPONENT_MAX)) {
+        return bad(error, "exponent_min must be in [1e-6, 1e24]", o->exponent_min);
+    }
+    if (!(o->exponent_max >= o->exponent_min && o->exponent_max <= LIMIT_EXPONENT_MAX)) {
+        return bad(error, "exponent_max must be in [exponent_min, 1e24]", o->exponent_max);
+    }
     if (!(o->relative_gap > 0.0 && isfinite(o->relative_gap))) {
         return bad(error, "relative_gap must be positive and finite", o->relative_gap);
     }
@@ -87,10 +99,12 @@ brdffit_status brdffit_options_check(const brdffit_options *o, brdffit_error *er
     return BRDFFIT_OK;
 }
 
-/* Every split makes one node, so a budget of boxes bounds them too. */
+/* Every split makes one node, so a budget of boxes bounds them too. Engine socp keeps nothing else about nodes. */
 static uint32_t node_capacity(const brdffit_options *o)
 {
-    size_t cap = o->lobes > 1 ? LIMIT_NODES_TWO : LIMIT_NODES_ONE;
+    size_t cap = o->engine == BRDFFIT_ENGINE_SOCP || o->norm != BRDFFIT_NORM_L2 ? LIMIT_NODES_SOCP
+                 : o->lobes > 1                   ? LIMIT_NODES_TWO
+                                                  : LIMIT_NODES_ONE;
     size_t wanted = o->box_budget < cap ? o->box_budget + FIRST_INTERVALS + 2 : cap;
 
     return (uint32_t)(wanted < cap ? wanted : cap);
@@ -119,7 +133,14 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
     brdffit_varpro_layout(&f->varpro, arena, count, channels, o->lobes);
     brdffit_axis_layout(&f->axis, arena, nodes);
     brdffit_heap_layout(&f->heap, arena, heap_capacity(o));
-    brdffit_bound_moment_layout(&f->moment, arena, count, channels, nodes, o->lobes);
+    if (o->norm != BRDFFIT_NORM_L2) {
+        brdffit_restricted_lp_layout(&f->restricted, arena, count, channels, o->lobes, o->norm);
+        brdffit_bound_lp_layout(&f->linear, arena, count, channels, o->lobes, o->norm);
+    } else if (o->engine == BRDFFIT_ENGINE_SOCP) {
+        brdffit_bound_socp_layout(&f->socp, arena, count, channels, o->lobes);
+    } else {
+        brdffit_bound_moment_layout(&f->moment, arena, count, channels, nodes, o->lobes);
+    }
 }
 
 size_t brdffit_workspace_size(size_t count, size_t channels, const brdffit_options *options)

@@ -32,6 +32,7 @@ void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t 
     reduced->row_b = ARENA_DOUBLES(arena, count);
     reduced->row_value = brdffit_arena_take(arena, count, channels * sizeof(double));
     reduced->row_c = brdffit_arena_take(arena, count, sizeof(uint32_t));
+    reduced->row_square = ARENA_DOUBLES(arena, count);
     reduced->sample_a = ARENA_DOUBLES(arena, count);
     reduced->sample_b = ARENA_DOUBLES(arena, count);
     reduced->sample_c = ARENA_DOUBLES(arena, count);
@@ -131,8 +132,15 @@ static brdffit_status choose_channel_scales(struct reduced *r, const brdffit_opt
     return BRDFFIT_OK;
 }
 
+/* What a sample of weight w (relative to scale_w) is multiplied by. */
+static double root_of(double w, brdffit_norm norm)
+{
+    return norm == BRDFFIT_NORM_LINF ? 1.0 : norm == BRDFFIT_NORM_L1 ? w : sqrt(w);
+}
+
 /* Scales of a, b and w; sample_a, sample_b and sample_factor get their final, weighted values. */
-static brdffit_status choose_scales(struct reduced *r, const brdffit_samples *s, brdffit_error *error)
+static brdffit_status choose_scales(struct reduced *r, const brdffit_samples *s, brdffit_norm norm,
+                                    brdffit_error *error)
 {
     double largest_a = 0.0, largest_b = 0.0, largest_w = s->weights ? 0.0 : 1.0;
     size_t j;
@@ -148,7 +156,7 @@ static brdffit_status choose_scales(struct reduced *r, const brdffit_samples *s,
     r->scale_b = power_of_two(largest_b);
     r->scale_w = s->weights ? power_of_two(largest_w) : 1.0;
     for (j = 0; j < r->used; j++) {
-        double root = s->weights ? sqrt(s->weights[r->sample[j]] / r->scale_w) : 1.0;
+        double root = s->weights ? root_of(s->weights[r->sample[j]] / r->scale_w, norm) : 1.0;
         double b = r->sample_b[j] / r->scale_b * root;
 
         if (r->sample_b[j] > 0.0 && !(b * LIMIT_COEFFICIENT_RATIO >= 1.0)) {
@@ -239,7 +247,7 @@ brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *sa
         status = choose_channel_scales(reduced, options, error);
     }
     if (status == BRDFFIT_OK) {
-        status = choose_scales(reduced, samples, error);
+        status = choose_scales(reduced, samples, options->norm, error);
     }
     if (status == BRDFFIT_OK) {
         sort_by_c(reduced);
@@ -248,7 +256,7 @@ brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *sa
             snap_c(reduced);
         }
         brdffit_reduce_sums(reduced, samples);
-        brdffit_reduce_rows(reduced, samples);
+        brdffit_reduce_rows(reduced, samples, options->norm);
     }
     return status;
 }

@@ -17,6 +17,9 @@
 #define PADDED(n) (((size_t)(n) + LANES - 1) / LANES * LANES)
 
 /*
+ * Norm l1 minimises sum w |r| and linf the largest |r| where w > 0, so their samples are multiplied by w and by 1
+ * instead of sqrt(w): read "w" below as the square of that factor. weight_sum and row_square know the true w.
+ *
  * Internal units: a / scale_a, b / scale_b, w / scale_w and values / channel_scale, the first three scales
  * powers of two, so that nothing is rounded by them. Sums over the samples of one distinct c:
  */
@@ -34,13 +37,14 @@ struct reduced {
     double aa;         /* sum w a^2 over all samples */
     double *ai;        /* K: sum w a I */
     double *ii;        /* K: sum w I^2 */
-    double total;      /* sum of ii */
+    double total;      /* objective of the zero model: sum of ii; l1: sum of |I|; linf: largest |I| */
     double weight_sum; /* sum w */
 
-    size_t rows;       /* R <= N rows of the vector form */
+    size_t rows;       /* R <= N rows of the vector form; norms other than l2: every used sample is a row */
     double *row_a, *row_b;
     double *row_value; /* K x used, the first R of each */
     uint32_t *row_c;   /* R: index of its distinct c */
+    double *row_square; /* R: what a row's squared residual counts for in sum w r^2; 1 unless the norm is not l2 */
 
     double scale_a, scale_b, scale_w;
     double *channel_scale; /* K: what values are divided by inside */
@@ -48,7 +52,7 @@ struct reduced {
     size_t skipped[BRDFFIT_SKIP_COUNT];
 
     /* scratch while reducing */
-    double *sample_a, *sample_b, *sample_c, *sample_factor; /* used: factor = sqrt(w) times f_r to radiance */
+    double *sample_a, *sample_b, *sample_c, *sample_factor; /* used: factor = root of w times f_r to radiance */
     uint32_t *sample, *order, *merge;
     double *block;
 };

@@ -13,8 +13,8 @@
 /* Sums over samples of equal c; sets distinct, stride, c_min and every sum. */
 void brdffit_reduce_sums(struct reduced *reduced, const brdffit_samples *samples);
 
-/* Rows of the vector form, from the same groups. */
-void brdffit_reduce_rows(struct reduced *reduced, const brdffit_samples *samples);
+/* Rows of the vector form, from the same groups; and `total` of norms other than l2. */
+void brdffit_reduce_rows(struct reduced *reduced, const brdffit_samples *samples, brdffit_norm norm);
 
 /* Weighted value of used sample j in channel k, in internal units. */
 double brdffit_reduce_value(const struct reduced *reduced, const brdffit_samples *samples, uint32_t j, size_t k);

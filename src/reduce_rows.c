@@ -5,7 +5,7 @@
  * matrix B = [a b I_1 .. I_K] and Y = sum_p y_p phi(s_p, c). Where n exceeds 2 + K, the triangle of B's QR
  * factorisation gives the same norm for every x and Y in 2 + K rows: a table of a million cells becomes a few
  * hundred rows, backward stably (Householder, REDUCE_BLOCK samples at a time). Rows made this way may be
- * negative; the vector form does not care.
+ * negative; the vector form does not care. Other norms are not invariant under rotation: theirs are the samples.
  */
 #include "reduce_parts.h"
 
@@ -15,7 +15,7 @@ double brdffit_reduce_value(const struct reduced *r, const brdffit_samples *samp
 {
     double value = samples->values[(size_t)r->sample[j] * samples->channels + k];
 
-    return value * r->sample_factor[j] / r->channel_scale[k];
+    return value / r->channel_scale[k] * r->sample_factor[j]; /* in this order, subnormal data keep their bits */
 }
 
 static void raw_row(struct reduced *r, const brdffit_samples *samples, uint32_t j, uint32_t group)
@@ -25,9 +25,44 @@ static void raw_row(struct reduced *r, const brdffit_samples *samples, uint32_t 
     r->row_a[row] = r->sample_a[j];
     r->row_b[row] = r->sample_b[j];
     r->row_c[row] = group;
+    r->row_square[row] = 1.0;
     for (k = 0; k < r->channels; k++) {
         r->row_value[k * r->used + row] = brdffit_reduce_value(r, samples, j, k);
     }
+}
+
+/* w r^2 over the square of what norm l1 (w r) or linf (r) has in its row; kept finite. */
+static double square_of(const struct reduced *r, const brdffit_samples *samples, uint32_t j, brdffit_norm norm)
+{
+    double w = samples->weights ? samples->weights[r->sample[j]] / r->scale_w : 1.0;
+
+    return norm == BRDFFIT_NORM_LINF ? w : 1.0 / fmax(w, 1e-300);
+}
+
+static void sample_rows(struct reduced *r, const brdffit_samples *samples, size_t begin, size_t end, uint32_t group,
+                        brdffit_norm norm)
+{
+    size_t place;
+
+    for (place = begin; place < end; place++) {
+        raw_row(r, samples, r->order[place], group);
+        r->row_square[r->rows - 1] = square_of(r, samples, r->order[place], norm);
+    }
+}
+
+static double total_of(const struct reduced *r, brdffit_norm norm)
+{
+    double total = 0.0;
+    size_t i, k;
+
+    for (k = 0; k < r->channels; k++) {
+        for (i = 0; i < r->rows; i++) {
+            double value = fabs(r->row_value[k * r->used + i]);
+
+            total = norm == BRDFFIT_NORM_L1 ? total + value : fmax(total, value);
+        }
+    }
+    return total;
 }
 
 /* Householder step: reflect column `at` of rows at .. rows - 1 onto row `at`, and apply to later columns. */
@@ -105,13 +140,14 @@ static void triangle_rows(struct reduced *r, const brdffit_samples *samples, siz
         r->row_a[row] = r->block[i * width];
         r->row_b[row] = r->block[i * width + 1];
         r->row_c[row] = group;
+        r->row_square[row] = 1.0;
         for (k = 0; k < r->channels; k++) {
             r->row_value[k * r->used + row] = r->block[i * width + 2 + k];
         }
     }
 }
 
-void brdffit_reduce_rows(struct reduced *r, const brdffit_samples *samples)
+void brdffit_reduce_rows(struct reduced *r, const brdffit_samples *samples, brdffit_norm norm)
 {
     size_t place, end;
     uint32_t group = 0;
@@ -122,12 +158,17 @@ void brdffit_reduce_rows(struct reduced *r, const brdffit_samples *samples)
         uint32_t index = group < r->distinct ? group : 0;
 
         end = brdffit_reduce_group_end(r, place);
-        if (end - place > r->channels + 2) {
+        if (norm != BRDFFIT_NORM_L2) {
+            sample_rows(r, samples, place, end, index, norm);
+        } else if (end - place > r->channels + 2) {
             triangle_rows(r, samples, place, end, index);
         } else {
             for (; place < end; place++) {
                 raw_row(r, samples, r->order[place], index);
             }
         }
+    }
+    if (norm != BRDFFIT_NORM_L2) {
+        r->total = total_of(r, norm);
     }
 }

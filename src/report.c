@@ -8,11 +8,28 @@
 #include "kernel_exp.h"
 #include "tolerance.h"
 
-static double sigma_of(double theta, const brdffit_options *o)
+static double clamp(double value, double low, double high)
 {
-    double sigma = kernel_exp(-0.5 * theta);
+    return value < low ? low : value > high ? high : value;
+}
 
-    return sigma < o->sigma_min ? o->sigma_min : sigma > o->sigma_max ? o->sigma_max : sigma;
+/* The exponent n = s of theta: the options' own number at an end of the range, and never outside of it. */
+static double exponent_of(const struct fit *f, double theta, const brdffit_options *o)
+{
+    return theta <= f->theta_low    ? o->exponent_min
+           : theta >= f->theta_tail ? o->exponent_max
+                                    : clamp(kernel_exp(theta), o->exponent_min, o->exponent_max);
+}
+
+/* The roughness of theta, s^(-1/2) whatever the distribution's parameter is. */
+static double sigma_of(const struct fit *f, double theta, const brdffit_options *o)
+{
+    if (f->family->by_exponent) {
+        return 1.0 / sqrt(exponent_of(f, theta, o));
+    }
+    return theta <= f->theta_low    ? o->sigma_max
+           : theta >= f->theta_tail ? o->sigma_min
+                                    : clamp(kernel_exp(-0.5 * theta), o->sigma_min, o->sigma_max);
 }
 
 static double objective_at(struct fit *f, struct point at, int p, double theta)
@@ -20,7 +37,7 @@ static double objective_at(struct fit *f, struct point at, int p, double theta)
     struct varpro_value value;
 
     at.theta[p] = theta;
-    brdffit_varpro_evaluate(&f->varpro, &at, 0, &value);
+    brdffit_fit_evaluate(f, &at, 0, &value);
     return value.objective;
 }
 
@@ -43,7 +60,7 @@ static int flat_towards(struct fit *f, const struct point *at, int p, double end
     return there == here || same_level(f, at, p, there, level);
 }
 
-/* Furthest theta towards `end` where the objective stays level: doubling steps, then bisection. */
+/* Furthest theta towards `end` where the objective stays level: growing steps, then bisection. */
 static double flat_end(struct fit *f, const struct point *at, int p, double end, const struct level *level)
 {
     double inside = at->theta[p], outside = inside, step = end > inside ? FLAT_STEP : -FLAT_STEP;
@@ -51,7 +68,7 @@ static double flat_end(struct fit *f, const struct point *at, int p, double end,
 
     while (inside == outside && inside != end) {
         outside = end > inside ? fmin(end, inside + step) : fmax(end, inside + step);
-        step *= 2.0;
+        step = fabs(step) < FLAT_STRIDE ? 2.0 * step : step;
         if (same_level(f, at, p, outside, level)) {
             inside = outside;
         }
@@ -68,28 +85,61 @@ static double flat_end(struct fit *f, const struct point *at, int p, double end,
     return inside;
 }
 
+/* The roughness at theta, and the interval from there up to theta `high`, in the parameter's terms too. */
+static void publish_roughness(const struct fit *f, double theta, double high, const brdffit_options *o,
+                              brdffit_lobe *lobe)
+{
+    lobe->sigma = lobe->sigma_high = sigma_of(f, theta, o);
+    lobe->sigma_low = sigma_of(f, high, o);
+    if (f->family->by_exponent) {
+        lobe->exponent = lobe->exponent_low = exponent_of(f, theta, o);
+        lobe->exponent_high = exponent_of(f, high, o);
+    }
+}
+
+static struct level level_of(const struct fit *f, double objective)
+{
+    double absolute = f->norm == BRDFFIT_NORM_L2 ? TOL_FLAT_ABSOLUTE : TOL_FLAT_LINEAR;
+    struct level level = {objective, objective * TOL_FLAT_RELATIVE + absolute * f->data.total};
+
+    return level;
+}
+
 /*
  * Where the objective is flat to rounding on both sides of the optimum, or up to the end of the domain, sigma is
- * not identified: report the largest and the interval.
+ * not identified: move to the largest, one lobe after the other. Returns the lobes that are flat, as bits.
  */
-static void flat_interval(struct fit *f, struct point *at, int p, double objective, const brdffit_options *o,
-                          brdffit_lobe *lobe)
+static unsigned move_to_largest(struct fit *f, struct point *at, const struct level *level)
 {
-    struct level level = {objective, objective * TOL_FLAT_RELATIVE + TOL_FLAT_ABSOLUTE * f->data.total};
+    unsigned flat = 0;
+    int p;
+
+    for (p = 0; p < f->varpro.lobes; p++) {
+        if (flat_towards(f, at, p, f->theta_low, level) && flat_towards(f, at, p, f->theta_high, level)) {
+            at->theta[p] = flat_end(f, at, p, f->theta_low, level);
+            flat |= 1u << p;
+        }
+    }
+    return flat;
+}
+
+/* Roughness and its interval, with the other lobe where it ended up. */
+static void describe_lobe(struct fit *f, const struct point *at, int p, int flat, const struct level *level,
+                          const brdffit_options *o, brdffit_lobe *lobe)
+{
+    double high = at->theta[p];
 
     lobe->warnings = 0;
-    lobe->sigma_low = lobe->sigma_high = sigma_of(at->theta[p], o);
-    if (flat_towards(f, at, p, f->theta_low, &level) && flat_towards(f, at, p, f->theta_high, &level)) {
-        double high = flat_end(f, at, p, f->theta_high, &level);
-
-        at->theta[p] = flat_end(f, at, p, f->theta_low, &level);
+    if (flat) {
+        high = flat_end(f, at, p, f->theta_high, level);
+        high = high < f->theta_high ? high : f->theta_flat;
+    }
+    if (high > at->theta[p]) {
         lobe->warnings |= BRDFFIT_WARN_FLAT;
-        lobe->sigma_high = sigma_of(at->theta[p], o);
-        lobe->sigma_low = sigma_of(high < f->theta_high ? high : f->theta_tail, o);
     } else if (at->theta[p] <= f->theta_low || at->theta[p] >= f->theta_tail) {
         lobe->warnings |= BRDFFIT_WARN_AT_LIMIT;
     }
-    lobe->sigma = sigma_of(at->theta[p], o);
+    publish_roughness(f, at->theta[p], high, o, lobe);
 }
 
 /* N_eff = (sum g^2)^2 / sum g^4 over samples. */
@@ -172,7 +222,7 @@ static void lobe_shares(const struct fit *f, brdffit_result *result)
 }
 
 static void certificate(const struct fit *f, const struct search_result *found, double objective, double scale,
-                        brdffit_result *result)
+                        const brdffit_options *o, brdffit_result *result)
 {
     result->e2 = objective * scale;
     result->lower_bound = fmin(found->lower_bound * scale, result->e2);
@@ -181,7 +231,33 @@ static void certificate(const struct fit *f, const struct search_result *found, 
     result->stop = found->stop;
     result->certified = found->stop == BRDFFIT_STOP_RELATIVE_GAP || found->stop == BRDFFIT_STOP_ABSOLUTE_GAP;
     result->boxes = found->boxes;
-    result->nodes = f->moment.moments.evaluated;
+    if (o->norm != BRDFFIT_NORM_L2) {
+        result->nodes = f->restricted.evaluated;
+        result->socp_solved = f->restricted.lp.solved + f->linear.lp.solved;
+        result->socp_refused = f->restricted.lp.refused + f->linear.lp.refused;
+        result->socp_decided = f->linear.decided;
+    } else if (o->engine == BRDFFIT_ENGINE_SOCP) {
+        result->nodes = f->socp.evaluated;
+        result->socp_solved = f->socp.solved;
+        result->socp_refused = f->socp.refused;
+        result->socp_decided = f->socp.decided;
+    } else {
+        result->nodes = f->moment.moments.evaluated;
+    }
+}
+
+/* Weighted sum of squared residuals of the last evaluation, whatever the norm. */
+static double sum_of_squares(const struct fit *f)
+{
+    double sum = 0.0;
+    size_t k;
+
+    for (k = 0; k < f->data.channels; k++) {
+        const struct nnls_answer *answer = &f->varpro.answer[k];
+
+        sum += answer->rss * (answer->data_scale * answer->data_scale);
+    }
+    return sum;
 }
 
 /* Lobes in ascending sigma, that is, descending theta. */
@@ -219,6 +295,7 @@ static void publish(struct fit *f, const brdffit_options *o, brdffit_result *res
     for (p = 0; p < o->lobes; p++) {
         result->model.sigma[p] = result->lobe[p].sigma;
     }
+    result->sigma_floor = f->theta_flat < f->theta_low ? INFINITY : sigma_of(f, f->theta_flat, o);
     result->distinct_c = f->data.distinct;
     result->samples_used = f->data.used;
     for (p = 0; p < BRDFFIT_SKIP_COUNT; p++) {
@@ -231,20 +308,23 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
 {
     static const brdffit_result zero;
     struct point at = found->point;
+    const struct level level = level_of(f, found->objective);
     struct varpro_value value;
+    unsigned flat;
     int p;
 
     *result = zero;
+    flat = move_to_largest(f, &at, &level);
     for (p = 0; p < o->lobes; p++) {
-        flat_interval(f, &at, p, found->objective, o, &result->lobe[p]);
+        describe_lobe(f, &at, p, (flat >> p) & 1, &level, o, &result->lobe[p]);
         result->lobe[p].effective_samples = effective_samples(f, at.theta[p]);
     }
     order_lobes(&at, result->lobe, o->lobes);
-    brdffit_varpro_evaluate(&f->varpro, &at, 0, &value);
+    brdffit_fit_evaluate(f, &at, 1, &value);
     coefficients(f, &at);
     lobe_shares(f, result);
-    certificate(f, found, value.objective, objective_scale, result);
-    result->rms_total = sqrt(value.objective / ((double)f->data.channels * f->data.weight_sum)) *
+    certificate(f, found, value.objective, objective_scale, o, result);
+    result->rms_total = sqrt(sum_of_squares(f) / ((double)f->data.channels * f->data.weight_sum)) *
                         (o->normalise == BRDFFIT_NORMALISE_NONE ? f->data.channel_scale[0] : 1.0);
     result->kkt_residual = value.kkt;
     publish(f, o, result);

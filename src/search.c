@@ -72,6 +72,7 @@ static double bound_box(struct search *s, struct box *box, struct point *met)
     double objective;
 
     box->sequence = s->sequence++;
+    box->bound = brdffit_search_cutoff(s->rules, s->result->objective);
     s->result->boxes++;
     objective = s->engine->bound(s->engine->self, box, met);
     if (s->result->boxes % 256 == 0 && report(s)) {

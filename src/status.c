@@ -47,12 +47,20 @@ const char *brdffit_skip_string(brdffit_skip reason)
 
 const char *brdffit_distribution_string(brdffit_distribution distribution)
 {
-    static const char *const text[BRDFFIT_DISTRIBUTION_COUNT] = {"beckmann", "ggx"};
+    static const char *const text[BRDFFIT_DISTRIBUTION_COUNT] = {
+        "beckmann", "ggx", "torrance-sparrow", "ward", "blinn-phong", "ashikhmin-shirley", "lafortune",
+    };
     return PICK(text, distribution);
+}
+
+const char *brdffit_engine_string(brdffit_engine engine)
+{
+    static const char *const text[BRDFFIT_ENGINE_COUNT] = {"moment", "socp"};
+    return PICK(text, engine);
 }
 
 const char *brdffit_norm_string(brdffit_norm norm)
 {
-    static const char *const text[BRDFFIT_NORM_COUNT] = {"l2"};
+    static const char *const text[BRDFFIT_NORM_COUNT] = {"l2", "l1", "linf"};
     return PICK(text, norm);
 }

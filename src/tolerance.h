@@ -12,6 +12,9 @@
 #define LIMIT_SIGMA_MIN 1e-12
 /* Largest: beyond, every lobe is the same smooth function to rounding. */
 #define LIMIT_SIGMA_MAX 1e3
+/* The same limits of s for distributions whose parameter is the exponent, s = n. */
+#define LIMIT_EXPONENT_MIN 1e-6
+#define LIMIT_EXPONENT_MAX 1e24
 
 /* cos(max_incidence) is compared with this absolute allowance, so that a light at exactly the limit
  * counts whatever its trigonometric functions rounded to (60 degrees: 4 ulp of cos). */
@@ -41,7 +44,8 @@
  */
 #define TAIL_EXPONENT 40.0
 
-/* y = y' exp(c_min s) / lambda(s) must be a finite double: c_min s may not exceed this (exp(690) = 1e299). */
+/* y = y' exp(c_min s) / lambda(s) must be a finite double: c_min s may not exceed this (exp(690) = 1e299, and no
+ * lambda that is not s itself is below 1 / (8 pi)). */
 #define LIMIT_EXPONENT 690.0
 
 /*
@@ -55,6 +59,9 @@
 /* Relative inflation of curvature bounds, whose own rounding is about 1e-13 at worst. */
 #define TOL_CURVATURE 1e-10
 
+/* Relative rounding of one lobe value from our exp (arguments to 708) with its slope and tilt: 1e-13 (bound_lp). */
+#define TOL_SHAPE 1e-12
+
 /* Off-diagonals of a Gram matrix are kept this far below 1 (lower is the safe side of a bound). */
 #define LIMIT_COSINE (1.0 - 1e-15)
 
@@ -65,8 +72,12 @@
  * squares (residuals of an exact fit are a few u of the data each). */
 #define TOL_FLAT_RELATIVE 1e-12
 #define TOL_FLAT_ABSOLUTE 1e-28
+/* Of norms l1 and linf, whose objective is not squared, relative to that of the zero model. */
+#define TOL_FLAT_LINEAR 1e-14
 /* Step in ln s that shows whether the objective is flat; 0.5 % of sigma. */
 #define FLAT_STEP 0.01
+/* Longest step in ln s along a flat stretch: between two such points the objective is taken to be level too. */
+#define FLAT_STRIDE 0.15
 
 /* Newton steps of one refinement; it converges quadratically, so this is only ever a guard. */
 #define LIMIT_REFINE_STEPS 60
@@ -77,6 +88,7 @@
 /* Internal caps that size the workspace; a smaller box budget lowers them. */
 #define LIMIT_NODES_ONE 2048
 #define LIMIT_NODES_TWO 8192
+#define LIMIT_NODES_SOCP 1048576
 #define LIMIT_HEAP 262144
 /* The first nodes keep their lobe shape (M doubles each), up to this many doubles together. */
 #define LIMIT_SHAPE_DOUBLES ((size_t)16 << 20)

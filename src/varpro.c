@@ -35,7 +35,7 @@ void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, 
     }
 }
 
-/* Column p and its derivatives at theta; zeros beyond theta_limit. */
+/* Column p and its derivatives at theta. */
 static void lobe_columns(struct varpro *v, int p, double theta, int derivatives)
 {
     const struct reduced *data = v->data;
@@ -45,7 +45,7 @@ static void lobe_columns(struct varpro *v, int p, double theta, int derivatives)
     v->family->variable(data->c_min, theta, u);
     v->family->shape(data->c, data->stride, u[0], v->phi);
     for (r = 0; r < data->rows; r++) {
-        double value = theta <= v->theta_limit ? data->row_b[r] * v->phi[data->row_c[r]] : 0.0;
+        double value = data->row_b[r] * v->phi[data->row_c[r]];
 
         v->column[p][r] = value;
         if (derivatives) {

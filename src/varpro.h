@@ -6,7 +6,7 @@
 #ifndef BRDFFIT_VARPRO_H
 #define BRDFFIT_VARPRO_H
 
-#include "bound.h"
+#include "axis.h"
 #include "family.h"
 #include "nnls.h"
 #include "reduce.h"
@@ -16,9 +16,8 @@ struct varpro {
     const struct family *family;
     int lobes;
     double theta_low, theta_high; /* domain of a descent */
-    double theta_limit;           /* a lobe beyond it has no finite y and counts as absent */
 
-    double *phi;        /* 3 x stride: phi and its derivatives by theta */
+    double *phi;        /* stride: the shape in use */
     double *column[2];  /* R each: the lobes */
     double *first[2];   /* R each: d column / d theta */
     double *second[2];  /* R each */

@@ -16,9 +16,7 @@
 
 static double clamp(const struct varpro *v, double theta)
 {
-    double high = fmin(v->theta_high, fmax(v->theta_limit, v->theta_low));
-
-    return theta < v->theta_low ? v->theta_low : theta > high ? high : theta;
+    return theta < v->theta_low ? v->theta_low : theta > v->theta_high ? v->theta_high : theta;
 }
 
 static int held(const struct varpro *v, const struct point *at, const struct varpro_value *f, int p)
@@ -27,7 +25,7 @@ static int held(const struct varpro *v, const struct point *at, const struct var
         return 1;
     }
     return (at->theta[p] <= v->theta_low && f->gradient[p] > 0.0) ||
-           (at->theta[p] >= clamp(v, v->theta_high) && f->gradient[p] < 0.0);
+           (at->theta[p] >= v->theta_high && f->gradient[p] < 0.0);
 }
 
 /* Solve (H + damping) step = -gradient over the free coordinates, with H made positive definite. */

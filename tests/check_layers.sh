@@ -9,11 +9,11 @@ cd "$(dirname "$0")/.."
 layer_of() { # file name without directory
     case ${1%.[ch]} in
     status | tolerance | vector | kernel_* | arena) echo 0 ;;
-    nnls | nnls_* | heap | axis | certificate | scaling) echo 1 ;;
-    family | family_* | geometry | geometry_* | reduce | reduce_* | moments | moments_* | residual | residual_* | socp)
+    nnls | nnls_* | vertex | vertex_* | heap | axis | certificate | scaling) echo 1 ;;
+    family | family_* | geometry | geometry_* | reduce | reduce_* | moments | moments_* | residual | residual_* | socp | lp | lp_*)
         echo 2
         ;;
-    bound | bound_* | interval | interval_* | varpro | varpro_* | refine | refine_*) echo 3 ;;
+    bound | bound_* | restricted | restricted_* | interval | interval_* | varpro | varpro_* | refine | refine_*) echo 3 ;;
     search | search_*) echo 4 ;;
     fit | fit_* | options | report | report_* | eval | eval_*) echo 5 ;;
     *) echo none ;;

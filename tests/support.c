@@ -153,13 +153,13 @@ static void take_arrays(const struct brdffit_test_spec *spec, struct brdffit_tes
 }
 
 /* Angles or coefficients of a sample that has directions. */
-static void convert(const brdffit_samples *s, size_t i, struct arrays *to)
+static void convert(const brdffit_samples *s, brdffit_distribution distribution, size_t i, struct arrays *to)
 {
     struct verify_angles angles;
     struct verify_sample sample;
 
     verify_directions(s, i, &angles);
-    verify_coefficients(&angles, 0, &sample);
+    verify_coefficients_of(distribution, &angles, 0, &sample);
     to->cos_light[i] = (double)angles.nl;
     to->cos_view[i] = (double)angles.nv;
     to->tan2_half[i] = (double)angles.tan2;
@@ -183,13 +183,12 @@ static void fill_values(const struct brdffit_test_spec *spec, struct brdffit_tes
             long double value;
             int p;
 
-            if (verify_sample(&data->samples, 90.0, i, &at) != BRDFFIT_SKIP_COUNT) {
+            if (verify_sample_of(spec->distribution, &data->samples, 90.0, i, &at) != BRDFFIT_SKIP_COUNT) {
                 continue;
             }
             value = at.a * spec->diffuse * tint;
             for (p = 0; p < spec->lobes; p++) {
-                value += at.b * spec->specular[p] * tint *
-                         verify_lobe(spec->distribution == BRDFFIT_GGX, at.c, spec->sigma[p]);
+                value += at.b * spec->specular[p] * tint * verify_lobe(spec->distribution, at.c, spec->sigma[p]);
             }
             largest = fmaxl(largest, value);
             data->values[i * channels + k] = (double)(value / at.to_radiance);
@@ -222,7 +221,7 @@ void brdffit_test_data_new(const struct brdffit_test_spec *spec, struct brdffit_
         if (spec->weighted) {
             data->weights[i] = brdffit_test_below(&random, 8) ? brdffit_test_log_uniform(&random, 0.1, 10.0) : 0.0;
         }
-        convert(s, i, &to);
+        convert(s, spec->distribution, i, &to);
     }
     fill_values(spec, data, &random);
 }

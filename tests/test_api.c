@@ -82,7 +82,7 @@ static void test_names(void **state)
     check_names(status_name, BRDFFIT_STATUS_COUNT, 0);
     check_names(stop_name, BRDFFIT_STOP_COUNT, 1);
     check_names(skip_name, BRDFFIT_SKIP_COUNT, 1);
-    check_names(distribution_name, BRDFFIT_DISTRIBUTION_COUNT, 1);
+    check_names(distribution_name, BRDFFIT_DISTRIBUTION_COUNT, 0);
     check_names(norm_name, BRDFFIT_NORM_COUNT, 1);
     assert_string_equal(brdffit_stop_string(BRDFFIT_STOP_RELATIVE_GAP), "relative_gap");
     assert_string_equal(brdffit_skip_string(BRDFFIT_SKIP_LIGHT_BELOW_HORIZON), "light_below_horizon");

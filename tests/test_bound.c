@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bound_attack.h"
 #include "bound_case.h"
 #include "fit.h"
 #include "nnls_case.h"
@@ -25,50 +26,6 @@
 #define POINTS 1200000L
 #endif
 #define POINTS_PER_BOX 96
-
-/* Min over z >= 0 of the objective at theta, in long double: supports enumerated on normalised columns. */
-static long double objective(const struct bound_case *c, const struct reduced *data, const double *theta)
-{
-    long double column[3][CASE_SAMPLES], sum = 0.0L;
-    int lobes = c->lobes, n = (int)c->count, i, j, k, p;
-
-    for (i = 0; i < n; i++) {
-        column[0][i] = c->a[i];
-    }
-    for (p = 0; p < lobes; p++) {
-        long double s = expl((long double)theta[p]), rest = 1.0L + data->c_min * s;
-
-        for (i = 0; i < n; i++) {
-            long double d = (long double)c->c[i] - data->c_min;
-
-            column[1 + p][i] = c->distribution == BRDFFIT_GGX ? c->b[i] / powl(1.0L + d * s / rest, 2.0L)
-                                                              : c->b[i] * expl(-d * s);
-        }
-    }
-    for (j = 0; j <= lobes; j++) {
-        long double norm = 0.0L;
-
-        for (i = 0; i < n; i++) {
-            norm += column[j][i] * column[j][i];
-        }
-        for (i = 0; i < n && norm > 0.0L; i++) {
-            column[j][i] /= sqrtl(norm);
-        }
-    }
-    for (k = 0; k < (int)c->channels; k++) {
-        sum += case_nnls(c, data->channel_scale[k], k, lobes + 1, column);
-    }
-    return sum;
-}
-
-static void set_side(struct axis *axis, uint32_t interval, uint32_t node, const double *range)
-{
-    axis->interval[interval].low = node;
-    axis->interval[interval].high = node + 1;
-    axis->interval[interval].child = 0;
-    axis->coordinate[node] = range[0];
-    axis->coordinate[node + 1] = range[1];
-}
 
 /* The engine states its rounding a node at a time. */
 static double largest_epsilon(const struct fit *f)
@@ -92,20 +49,20 @@ static long attack(const struct bound_case *c, struct fit *f, double range[2][2]
     int same = range[0][0] == range[1][0] && range[0][1] == range[1][1], i, p;
     double met_objective;
 
-    set_side(&f->axis, 0, 0, range[0]);
-    set_side(&f->axis, 1, 2, range[1]);
+    attack_set_side(&f->axis, 0, 0, range[0]);
+    attack_set_side(&f->axis, 1, 2, range[1]);
     f->axis.nodes = 4;
     f->axis.intervals = 2;
     if (c->lobes == 1 || same) {
         box.interval[1] = 0;
     }
-    brdffit_bound_moment_start(&f->moment, &f->data, f->family, &f->axis, c->lobes, INFINITY);
+    brdffit_bound_moment_start(&f->moment, &f->data, f->family, &f->axis, c->lobes);
     met_objective = c->lobes == 1 ? brdffit_bound_moment_one(&f->moment, &box, &met)
                                   : brdffit_bound_moment_two(&f->moment, &box, &met);
     assert_true(box.bound >= 0.0 && box.bound <= f->data.total);
     /* What was met is a true objective to within the noise that the engine states. */
     if (met_objective < INFINITY) {
-        assert_true(fabsl((long double)met_objective - objective(c, &f->data, met.theta)) <=
+        assert_true(fabsl((long double)met_objective - attack_objective(c, &f->data, met.theta)) <=
                     4.0L * f->moment.moments.slack + 4.0L * largest_epsilon(f) * f->data.total);
     }
     for (i = 0; i < POINTS_PER_BOX; i++) {
@@ -124,7 +81,7 @@ static long attack(const struct bound_case *c, struct fit *f, double range[2][2]
             theta[0] = theta[1];
             theta[1] = swap;
         }
-        value = objective(c, &f->data, theta);
+        value = attack_objective(c, &f->data, theta);
         if (!(value >= (long double)box.bound)) {
             bound_case_print(c, stderr);
             fail_msg("lobes %d box [%a, %a] x [%a, %a]: bound %.17g above objective %.17Lg at %a, %a (total %g)",
@@ -133,35 +90,6 @@ static long attack(const struct bound_case *c, struct fit *f, double range[2][2]
         }
     }
     return POINTS_PER_BOX;
-}
-
-/* Boxes of a problem: around its optimum, on the diagonal, disjoint, wide, a hair wide. */
-static void draw_box(const struct fit *f, const struct point *optimum, int lobes, double range[2][2], uint64_t *s)
-{
-    double low = f->theta_low, high = f->theta_high, swap;
-    int p, kind = (int)(case_next(s) % 4);
-
-    for (p = 0; p < 2; p++) {
-        double width = (high - low) * pow(10.0, -13.0 * pow(case_uniform(s), 2.0));
-        double centre = kind < 2 ? optimum->theta[lobes > 1 ? p : 0] + width * case_signed(s)
-                                 : low + (high - low) * case_uniform(s);
-
-        range[p][0] = fmin(fmax(centre - width * case_uniform(s), low), high);
-        range[p][1] = fmin(fmax(centre + width * case_uniform(s), range[p][0]), high);
-    }
-    if (kind == 3) {
-        memcpy(range[1], range[0], sizeof range[0]);
-        return;
-    }
-    if (range[0][0] > range[1][0]) {
-        for (p = 0; p < 2; p++) {
-            swap = range[0][p];
-            range[0][p] = range[1][p];
-            range[1][p] = swap;
-        }
-    }
-    /* The engine's boxes are disjoint or equal. */
-    range[0][1] = fmin(range[0][1], range[1][0]);
 }
 
 static void attack_problem(uint64_t seed, long *done)
@@ -194,7 +122,7 @@ static void attack_problem(uint64_t seed, long *done)
     for (box = 0; box < 40; box++) {
         double range[2][2];
 
-        draw_box(&fit, &found.point, c.lobes, range, &s);
+        attack_draw_box(&fit, &found.point, c.lobes, range, &s);
         *done += attack(&c, &fit, range, &s);
     }
     free(workspace);

@@ -15,7 +15,7 @@
 /* Each test runs with one and two lobes and both distributions. */
 #define FOR_EACH_MODEL(options)                                                                                 \
     for (brdffit_options_init(&(options)); (options).lobes <= 2; (options).lobes++)                             \
-        for ((options).distribution = BRDFFIT_BECKMANN; (options).distribution < BRDFFIT_DISTRIBUTION_COUNT;    \
+        for ((options).distribution = BRDFFIT_BECKMANN; (options).distribution <= BRDFFIT_GGX;                 \
              (options).distribution = (brdffit_distribution)((options).distribution + 1))
 
 static brdffit_result fit_and_free(const brdffit_samples *samples, const brdffit_options *options)

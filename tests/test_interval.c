@@ -192,6 +192,10 @@ static void test_enclosures(void **state)
         struct sides s;
 
         mc_new(&m, seed);
+        if (mc_without_lobes(&m)) {
+            mc_free(&m);
+            continue;
+        }
         for (i = 0; i < 8 && m.fit.theta_low < m.fit.theta_high; i++) {
             draw_sides(&m, s.theta, &random);
             attack(&m, &s, &random);
@@ -238,6 +242,10 @@ static void test_shifts_are_second_derivatives(void **state)
         double middle;
 
         mc_new(&m, seed);
+        if (mc_without_lobes(&m)) {
+            mc_free(&m);
+            continue;
+        }
         middle = 0.6 * m.fit.theta_low + 0.4 * m.fit.theta_high;
         s.theta[0][0] = s.theta[1][0] = middle * (1.0 - 1e-7);
         s.theta[0][1] = s.theta[1][1] = middle * (1.0 - 1e-7) + 1e-5;

@@ -32,14 +32,15 @@ static int check_model(struct verdict *v)
     const brdffit_model *model = &v->result->model;
     const brdffit_options *o = v->problem.options;
     size_t j, lobes = (size_t)o->lobes;
+    double low = verify_lowest(o), high = verify_highest(o);
 
     if (model->distribution != o->distribution || model->lobes != o->lobes ||
         model->channels != v->problem.samples->channels) {
         return wrong(v, "the model's distribution, lobes or channels are not what was asked for");
     }
     for (j = 0; j < lobes; j++) {
-        if (!(model->sigma[j] >= o->sigma_min && model->sigma[j] <= o->sigma_max)) {
-            return wrong(v, "sigma[%zu] = %.17g is not in [%g, %g]", j, model->sigma[j], o->sigma_min, o->sigma_max);
+        if (!(model->sigma[j] >= low && model->sigma[j] <= high)) {
+            return wrong(v, "sigma[%zu] = %.17g is not in [%g, %g]", j, model->sigma[j], low, high);
         }
         if (model->sigma[j] != v->result->lobe[j].sigma) {
             return wrong(v, "model.sigma[%zu] is not lobe[%zu].sigma", j, j);
@@ -98,7 +99,7 @@ static void evaluate(struct verdict *v)
         v->sigma[j] = v->result->model.sigma[j];
         v->column[1 + j] = v->raw[j];
         for (i = 0; i < p->used; i++) {
-            v->raw[j][i] = p->rows.b[i] * verify_lobe(p->ggx, p->rows.c[i], v->sigma[j]);
+            v->raw[j][i] = p->rows.b[i] * verify_lobe(p->options->distribution, p->rows.c[i], v->sigma[j]);
         }
     }
     for (k = 0; k < channels; k++) {
@@ -223,7 +224,7 @@ static int check_bound(struct verdict *v, size_t attacks, unsigned long long see
     struct verify_attack attack = {&v->problem, seed, 0.0L, 0.0L, 0.0L, 0.0L, {1.0L, 1.0L}, 0};
 
     attack.low = verify_smallest_sigma(&v->problem);
-    attack.high = v->problem.options->sigma_max;
+    attack.high = verify_highest(v->problem.options);
     attack.bound = v->result->lower_bound;
     if (!(attack.low <= attack.high)) { /* no lobe has a finite y: only the diffuse term is left */
         attack.low = attack.high;
@@ -236,12 +237,34 @@ static int check_bound(struct verdict *v, size_t attacks, unsigned long long see
     return 0;
 }
 
+/* The bound is for sigma >= sigma_floor: the options' own lower end, but where narrower lobes have no finite y. */
+static int check_floor(struct verdict *v)
+{
+    const struct verify_problem *p = &v->problem;
+    double low = verify_lowest(p->options), floor = v->result->sigma_floor;
+
+    if (floor == INFINITY) {
+        struct verify_problem all = *p;
+
+        all.floor = verify_highest(p->options);
+        return verify_floor_is_due(&all) ? 0 : wrong(v, "sigma_floor leaves out every lobe without need");
+    }
+    if (!(floor >= low && floor <= verify_highest(p->options))) {
+        return wrong(v, "sigma_floor %.17g is not in the range from %.17g", floor, low);
+    }
+    if (floor > low && !verify_floor_is_due(p)) {
+        return wrong(v, "sigma_floor %.17g leaves out lobes with finite coefficients", floor);
+    }
+    return 0;
+}
+
 static int check_all(struct verdict *v, size_t attacks, unsigned long long seed)
 {
     struct verify_problem *p = &v->problem;
     size_t channels = p->samples->channels, lobes = (size_t)p->lobes;
     int failed;
 
+    p->floor = v->result->sigma_floor;
     verify_classify(p);
     if (check_samples(v) || check_model(v) || check_channel_scale(v)) {
         verify_problem_free(p);
@@ -258,7 +281,7 @@ static int check_all(struct verdict *v, size_t attacks, unsigned long long seed)
         attacks = 160000 / (p->basis.rows.count + 10);
         attacks = attacks > 2000 ? 2000 : attacks < 100 ? 100 : attacks;
     }
-    failed = check_objective(v) || check_kkt(v) || check_certificate(v) || check_lobes(v) ||
+    failed = check_floor(v) || check_objective(v) || check_kkt(v) || check_certificate(v) || check_lobes(v) ||
              check_bound(v, attacks, seed);
     free(v->claimed);
     verify_problem_free(p);

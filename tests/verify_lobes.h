@@ -71,12 +71,31 @@ static inline long double effective_samples(struct verdict *v, int lobe, long do
     return sum > 0.0L ? sum * sum / sum2 : 0.0L;
 }
 
+/* The exponent says what sigma says, and nothing where the parameter is sigma. */
+static inline int check_exponent(struct verdict *v, int j)
+{
+    const brdffit_options *o = v->problem.options;
+    const brdffit_lobe *lobe = &v->result->lobe[j];
+    int right = lobe->exponent == 0.0 && lobe->exponent_low == 0.0 && lobe->exponent_high == 0.0;
+
+    if (verify_by_exponent(o->distribution)) {
+        right = lobe->exponent == lobe->exponent_low && lobe->exponent_low <= lobe->exponent_high &&
+                lobe->exponent_low >= o->exponent_min && lobe->exponent_high <= o->exponent_max &&
+                near(lobe->exponent * (long double)lobe->sigma * lobe->sigma, 1.0L, 8.0L * VERIFY_UNIT) &&
+                near(lobe->exponent_high * (long double)lobe->sigma_low * lobe->sigma_low, 1.0L, 8.0L * VERIFY_UNIT);
+    }
+    return right ? 0
+                 : wrong(v, "lobe %d: exponent %.17g in [%.17g, %.17g], sigma %.17g in [%.17g, %.17g]", j, lobe->exponent,
+                         lobe->exponent_low, lobe->exponent_high, lobe->sigma, lobe->sigma_low, lobe->sigma_high);
+}
+
 static inline int check_warnings(struct verdict *v, int j, int used)
 {
     const brdffit_options *o = v->problem.options;
     const brdffit_lobe *lobe = &v->result->lobe[j];
     int flat = lobe->sigma_low < lobe->sigma_high, at_limit = (lobe->warnings & BRDFFIT_WARN_AT_LIMIT) != 0;
-    int on_limit = lobe->sigma == o->sigma_min || lobe->sigma == o->sigma_max;
+    double low = verify_lowest(o), high = verify_highest(o);
+    int on_limit = lobe->sigma == low || lobe->sigma == high;
 
     if (!(lobe->warnings & BRDFFIT_WARN_UNRESOLVED) != !(lobe->effective_samples < 3.0)) {
         return wrong(v, "lobe %d: %.17g effective samples, warnings %#x", j, lobe->effective_samples, lobe->warnings);
@@ -84,15 +103,14 @@ static inline int check_warnings(struct verdict *v, int j, int used)
     if (!(lobe->warnings & BRDFFIT_WARN_UNUSED) != !!used) {
         return wrong(v, "lobe %d is %sused, warnings %#x", j, used ? "" : "un", lobe->warnings);
     }
-    if (!(lobe->sigma_low <= lobe->sigma && lobe->sigma == lobe->sigma_high && lobe->sigma_low >= o->sigma_min)) {
+    if (!(lobe->sigma_low <= lobe->sigma && lobe->sigma == lobe->sigma_high && lobe->sigma_low >= low)) {
         return wrong(v, "lobe %d: sigma %.17g in [%.17g, %.17g]", j, lobe->sigma, lobe->sigma_low, lobe->sigma_high);
     }
     if (flat && !(lobe->warnings & BRDFFIT_WARN_FLAT)) {
         return wrong(v, "lobe %d: flat on [%.17g, %.17g] without a warning", j, lobe->sigma_low, lobe->sigma_high);
     }
     if ((at_limit && !on_limit) || (on_limit && !(lobe->warnings & (BRDFFIT_WARN_AT_LIMIT | BRDFFIT_WARN_FLAT)))) {
-        return wrong(v, "lobe %d: sigma %.17g in [%g, %g], warnings %#x", j, lobe->sigma, o->sigma_min, o->sigma_max,
-                     lobe->warnings);
+        return wrong(v, "lobe %d: sigma %.17g in [%g, %g], warnings %#x", j, lobe->sigma, low, high, lobe->warnings);
     }
     return 0;
 }
@@ -144,7 +162,7 @@ static inline int check_lobes(struct verdict *v)
             return wrong(v, "lobe %d: %.17g effective samples, should be %.17Lg", j, lobe->effective_samples,
                          effective);
         }
-        if (check_warnings(v, j, used) || check_flat(v, j)) {
+        if (check_exponent(v, j) || check_warnings(v, j, used) || check_flat(v, j)) {
             return 1;
         }
     }

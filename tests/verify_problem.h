@@ -14,8 +14,8 @@
 #include "ref/ref_exact.h"
 #include "verify_samples.h"
 
-/* y multiplies exp(-c s): models beyond c_min s = 690 have no finite y and are not of the form that is fitted. */
-#define VERIFY_LARGEST_EXPONENT 690.0L
+/* sigma_floor may leave out narrower lobes only if their y could pass exp(this): 1e260. */
+#define VERIFY_LEAST_EXPONENT 600.0L
 
 struct verify_problem {
     const brdffit_samples *samples;
@@ -25,6 +25,7 @@ struct verify_problem {
     struct verify_sample *sample; /* of each row */
     long double *root;            /* of each row: root of its weight */
     long double weight_sum, total, c_min;
+    long double floor; /* result.sigma_floor: narrower lobes are outside of the model */
     int ggx, lobes;
     struct ref_rows rows;
     struct ref_basis basis;
@@ -43,7 +44,8 @@ static inline void verify_classify(struct verify_problem *p)
     p->c_min = INFINITY;
     for (i = 0; i < p->samples->count; i++) {
         struct verify_sample *sample = p->sample + p->used;
-        brdffit_skip skip = verify_sample(p->samples, p->options->max_incidence, i, sample);
+        brdffit_skip skip =
+            verify_sample_of(p->options->distribution, p->samples, p->options->max_incidence, i, sample);
         long double weight = p->samples->weights ? (long double)p->samples->weights[i] : 1.0L;
 
         if (skip != BRDFFIT_SKIP_COUNT) {
@@ -99,12 +101,31 @@ static inline void verify_problem_free(struct verify_problem *p)
     ref_rows_free(&p->basis.rows);
 }
 
-/* Smallest roughness whose y is finite. */
+/* Whether some y could be beyond doubles just below the floor: |I| / |g|, with the largest |I| of a channel. */
+static inline int verify_floor_is_due(const struct verify_problem *p)
+{
+    long double s = 1.0L / (p->floor * p->floor), sum = 0.0L, largest = 0.0L;
+    size_t i, k;
+
+    for (i = 0; i < p->used; i++) {
+        sum += powl(p->sample[i].b * p->root[i] * expl(p->ggx ? 0.0L : -(p->sample[i].c - p->c_min) * s), 2.0L);
+    }
+    for (k = 0; k < p->samples->channels; k++) {
+        long double norm = 0.0L;
+
+        for (i = 0; i < p->used; i++) {
+            norm += powl(verify_radiance(p, i, k) * p->root[i], 2.0L);
+        }
+        largest = fmaxl(largest, norm);
+    }
+    return sum > 0.0L && 0.5L * logl(largest / sum) + (p->ggx ? 2.0L * log1pl(p->c_min * s) : p->c_min * s) >=
+                             VERIFY_LEAST_EXPONENT;
+}
+
+/* Smallest roughness of the model. */
 static inline long double verify_smallest_sigma(const struct verify_problem *p)
 {
-    long double low = p->options->sigma_min;
-
-    return p->ggx || !(p->c_min < INFINITY) ? low : fmaxl(low, sqrtl(p->c_min / VERIFY_LARGEST_EXPONENT));
+    return p->floor;
 }
 
 /* Unit lobes on some rows; zero where the lobe has no finite y. */

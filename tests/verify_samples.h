@@ -1,6 +1,7 @@
 /*
  * verify.c, part 1 of 4: samples to (a, b, c) in long double, written from theory section 1 and the comments of
- * brdffit.h, not from the library. Support.c makes synthetic data with it. SPDX-License-Identifier: MIT
+ * brdffit.h (its table of distributions), not from the library. Support.c makes synthetic data with it.
+ * SPDX-License-Identifier: MIT
  *
  * The library works in double, so the same sample has slightly different coefficients there. Each sample
  * carries how much: relative errors of a, b and the radiance, and the absolute error of c, from the roundings
@@ -9,24 +10,10 @@
 #ifndef BRDFFIT_TESTS_VERIFY_SAMPLES_H
 #define BRDFFIT_TESTS_VERIFY_SAMPLES_H
 
-#include <math.h>
+#include "verify_distributions.h"
 
-#include "brdffit.h"
-
-#define VERIFY_PI 3.14159265358979323846264338327950288L
-#define VERIFY_UNIT 1.1102230246251565e-16L
 /* A light exactly at the limit counts, whatever its cosine rounded to. */
 #define VERIFY_INCIDENCE 1e-12L
-
-struct verify_sample {
-    long double a, b, c, to_radiance;
-    long double error_a, error_b, error_radiance; /* relative */
-    long double error_c;                          /* absolute */
-};
-
-struct verify_angles {
-    long double nl, nv, tan2, vh;
-};
 
 static inline void verify_unit_vector(const double *from, long double to[3])
 {
@@ -63,31 +50,27 @@ static inline void verify_directions(const brdffit_samples *s, size_t i, struct 
     angles->vh = verify_dot(v, h) / sqrtl(verify_dot(h, h));
 }
 
-/* Cook-Torrance: theory section 1. */
-static inline void verify_coefficients(const struct verify_angles *angles, int directions,
-                                       struct verify_sample *out)
+/* Everything that angles decide, and its errors. */
+static inline void verify_coefficients_of(brdffit_distribution distribution, const struct verify_angles *angles,
+                                          int directions, struct verify_sample *out)
 {
-    long double nh = 1.0L / sqrtl(1.0L + angles->tan2), g1 = 2.0L * nh * angles->nv / angles->vh;
-    long double g2 = 2.0L * nh * angles->nl / angles->vh, g = fminl(1.0L, fminl(g1, g2));
     long double tangent = sqrtl(angles->tan2), u = VERIFY_UNIT;
 
     out->a = angles->nl / VERIFY_PI;
-    out->b = g / (VERIFY_PI * angles->nv * nh * nh * nh * nh);
-    out->c = angles->tan2;
+    verify_row(distribution, angles, out);
     out->error_a = out->error_radiance = 8.0L * u;
     out->error_b = 32.0L * u;
-    out->error_c = 0.0L;
+    out->error_c = verify_error_c(distribution, angles, directions, out->c);
     if (directions) {
         out->error_a += 8.0L * u / angles->nl;
         out->error_radiance += 8.0L * u / angles->nl;
         out->error_b += 16.0L * u * (1.0L / angles->nl + 1.0L / angles->nv + 1.0L / angles->vh + 4.0L * tangent);
-        out->error_c = 16.0L * u * tangent * (1.0L + angles->tan2) + 64.0L * u * u;
     }
 }
 
 /* Why sample i does not count; BRDFFIT_SKIP_COUNT when it does, and then *out is filled. */
-static inline brdffit_skip verify_sample(const brdffit_samples *s, double max_incidence, size_t i,
-                                         struct verify_sample *out)
+static inline brdffit_skip verify_sample_of(brdffit_distribution distribution, const brdffit_samples *s,
+                                            double max_incidence, size_t i, struct verify_sample *out)
 {
     struct verify_angles angles;
 
@@ -120,20 +103,19 @@ static inline brdffit_skip verify_sample(const brdffit_samples *s, double max_in
     if (max_incidence < 90.0 && angles.nl < cosl(max_incidence * (VERIFY_PI / 180.0L)) - VERIFY_INCIDENCE) {
         return BRDFFIT_SKIP_INCIDENCE;
     }
-    verify_coefficients(&angles, s->form == BRDFFIT_FORM_DIRECTIONS, out);
+    verify_coefficients_of(distribution, &angles, s->form == BRDFFIT_FORM_DIRECTIONS, out);
     out->to_radiance = s->quantity == BRDFFIT_QUANTITY_BRDF ? angles.nl : 1.0L;
     return BRDFFIT_SKIP_COUNT;
 }
 
-/* g / b: lambda(s) phi(c, s), s = 1 / sigma^2. */
-static inline long double verify_lobe(int ggx, long double c, long double sigma)
+/* The same for Cook-Torrance: Beckmann and GGX. */
+static inline brdffit_skip verify_sample(const brdffit_samples *s, double max_incidence, size_t i,
+                                         struct verify_sample *out)
 {
-    long double s = 1.0L / (sigma * sigma), t = 1.0L + c * s;
-
-    return ggx ? s / (t * t) : s * expl(-c * s);
+    return verify_sample_of(BRDFFIT_BECKMANN, s, max_incidence, i, out);
 }
 
-/* Relative error of the same in double, c being off by error_c. */
+/* Relative error of verify_lobe() in double, c being off by error_c. */
 static inline long double verify_lobe_error(int ggx, long double c, long double error_c, long double sigma)
 {
     long double s = 1.0L / (sigma * sigma), exponent = 4.0L * VERIFY_UNIT * c * s + error_c * s;

@@ -18,8 +18,12 @@ def unit(theta, phi):
     return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1)
 
 
-def directions_to_abc(light, view, normal=(0.0, 0.0, 1.0)):
-    """a, b, c, n.l, n.v of unit vectors."""
+EXPONENTS = ("blinn-phong", "ashikhmin-shirley", "lafortune")
+DISTRIBUTIONS = ("beckmann", "ggx", "torrance-sparrow", "ward", *EXPONENTS)
+
+
+def directions_to_abc(light, view, normal=(0.0, 0.0, 1.0), distribution="beckmann"):
+    """a, b, c, n.l, n.v of unit vectors; b times n.l, as for radiance."""
     half = light + view
     half = half / np.linalg.norm(half, axis=1, keepdims=True)
     normal = np.broadcast_to(np.asarray(normal, float), light.shape)
@@ -28,7 +32,27 @@ def directions_to_abc(light, view, normal=(0.0, 0.0, 1.0)):
     sine2 = np.sum(np.cross(normal, half) ** 2, 1)
     with np.errstate(divide="ignore", invalid="ignore"):
         shadow = np.minimum(1, np.minimum(2 * nh * nv / vh, 2 * nh * nl / vh))
-        return nl / math.pi, shadow / (math.pi * nv * nh ** 4), sine2 / nh ** 2, nl, nv
+        tan2, alpha = sine2 / nh ** 2, np.arctan2(np.sqrt(sine2), nh)
+        # The mirrored light; |r - v|^2 / 2 = 1 - r.v without its cancellation.
+        off = np.sum((2 * nl[:, None] * normal - light - view) ** 2, 1) / 2
+        b, c = {
+            "beckmann": (shadow / (math.pi * nv * nh ** 4), tan2),
+            "ggx": (shadow / (math.pi * nv * nh ** 4), tan2),
+            "torrance-sparrow": (shadow / (math.pi * nv), alpha ** 2),
+            "ward": (nl / (4 * math.pi * np.sqrt(nl * nv)), tan2),
+            "blinn-phong": (nl, np.log1p(tan2) / 2),
+            "ashikhmin-shirley": (nl / (vh * np.maximum(nl, nv)), np.log1p(tan2) / 2),
+            "lafortune": (np.where(off < 1, nl, 0), np.where(off < 1, -np.log1p(-off), 0)),
+        }[distribution]
+        return nl / math.pi, b, c, nl, nv
+
+
+def shape(distribution, s, c):
+    """lambda(s) exp(-c s), or GGX's: what y b multiplies."""
+    if distribution == "ggx":
+        return s / (1 + c * s) ** 2
+    factor = {"beckmann": s, "ward": s, "torrance-sparrow": 1, "ashikhmin-shirley": (s + 1) / (8 * math.pi)}
+    return factor.get(distribution, (s + 2) / (2 * math.pi)) * np.exp(-c * s)
 
 
 def read_text(path):
@@ -65,11 +89,11 @@ def read_merl(path, bins):
 class Samples:
     """Radiance, weights and (a, b, c) of the samples that a fit with these settings uses."""
 
-    def __init__(self, path, quantity, max_incidence=60.0, merl_bins=None):
+    def __init__(self, path, quantity, max_incidence=60.0, merl_bins=None, distribution="beckmann"):
         if merl_bins is not None:
             light, view, values = read_merl(path, merl_bins)
             names, weights = ["r", "g", "b"], np.ones(len(light))
-            a, b, c, nl, nv = directions_to_abc(light, view)
+            a, b, c, nl, nv = directions_to_abc(light, view, distribution=distribution)
         else:
             header, rows = read_text(path)
             column = {name: rows[:, i] for i, name in enumerate(header)}
@@ -80,11 +104,11 @@ class Samples:
             elif "lx" in column:
                 vectors = [np.stack([column.pop(x + k) for k in "xyz"], -1) for x in "lvn" if x + "x" in column]
                 vectors = [v / np.linalg.norm(v, axis=1, keepdims=True) for v in vectors]
-                a, b, c, nl, nv = directions_to_abc(*vectors)
+                a, b, c, nl, nv = directions_to_abc(*vectors, distribution=distribution)
             else:
                 ti, to = column.pop("theta_i"), column.pop("theta_o")
                 pi, po = column.pop("phi_i", 0 * ti), column.pop("phi_o", 0 * to + 180)
-                a, b, c, nl, nv = directions_to_abc(unit(ti, pi), unit(to, po))
+                a, b, c, nl, nv = directions_to_abc(unit(ti, pi), unit(to, po), distribution=distribution)
             names, values = list(column), np.stack(list(column.values()), -1)
         # Exactly 60 degrees belongs to 60; the cosine's rounding does not decide.
         limit = 0.0 if max_incidence >= 90 else math.cos(math.radians(max_incidence)) - 1e-9
@@ -97,9 +121,7 @@ class Samples:
         """Radiance, used samples x channels."""
         out = self.a[:, None] * np.asarray(x)[None, :]
         for p, roughness in enumerate(sigma):
-            s = 1 / roughness ** 2
-            shape = s * np.exp(-self.c * s) if distribution == "beckmann" else s / (1 + self.c * s) ** 2
-            out = out + (self.b * shape)[:, None] * np.asarray(y)[None, :, p]
+            out = out + (self.b * shape(distribution, 1 / roughness ** 2, self.c))[:, None] * np.asarray(y)[None, :, p]
         return out
 
     def figures(self, line):
@@ -112,7 +134,7 @@ class Samples:
 
 def check_line(line, path):
     """Everything in a line of a finished fit that its file can confirm."""
-    samples = Samples(path, line["quantity"], line["max_incidence"], line["merl_bins"])
+    samples = Samples(path, line["quantity"], line["max_incidence"], line["merl_bins"], line["distribution"])
     assert line["channels"] == samples.names
     assert line["samples_used"] == samples.used
     e2, rms = samples.figures(line)

@@ -32,6 +32,8 @@ def save(folder, *lines):
 
 @pytest.mark.parametrize("options", [
     ["two_lobe_satin.csv"], ["two_lobe_satin.csv", "--lobes", "2"], ["ggx_metal.csv", "--distribution", "ggx"],
+    ["two_lobe_satin.csv", "--distribution", "lafortune", "--lobes", "2"],
+    ["two_lobe_table.binary", "--distribution", "ashikhmin-shirley"],
     ["matte.csv", "--normalise", "none"], ["two_lobe_satin.csv", "--max-incidence", "off"],
     ["two_lobe_satin.csv", "--values", "radiance"], ["mis.csv", "--lobes", "2"], ["mixed.csv"], ["vectors.csv"],
     ["single.csv"], ["zero.csv"], ["two_lobe_table.binary"], ["two_lobe_table.binary", "--merl-bins", "centre"],

@@ -20,6 +20,17 @@ REQUIRED = {
 SKIPS = {"zero_weight", "light_below_horizon", "view_below_horizon", "incidence", "masked", "absent", "cell_below_horizon"}
 
 
+def check_exponents(line):
+    """n and sigma = 1/sqrt(n) say the same; distributions by sigma have no n."""
+    if line["distribution"] not in model.EXPONENTS:
+        assert not {"exponent", "exponent_interval", "exponent_range"} & set(line)
+        return
+    assert np.allclose(np.array(line["exponent"]) * np.array(line["sigma"]) ** 2, 1, rtol=1e-14)
+    assert np.allclose(np.array(line["exponent_interval"])[:, ::-1] * np.array(line["sigma_interval"]) ** 2, 1, rtol=1e-14)
+    assert np.allclose(np.array(line["exponent_range"])[::-1] * np.array(line["sigma_range"]) ** 2, 1, rtol=1e-14)
+    assert all(low == n <= high for n, (low, high) in zip(line["exponent"], line["exponent_interval"]))
+
+
 def check_contract(line, lobes):
     for name, kind in REQUIRED.items():
         assert isinstance(line[name], kind), name
@@ -35,6 +46,7 @@ def check_contract(line, lobes):
     assert line["sigma"] == sorted(line["sigma"])
     assert all(line["sigma_range"][0] <= s <= line["sigma_range"][1] for s in line["sigma"])
     assert all(low <= s <= high for s, (low, high) in zip(line["sigma"], line["sigma_interval"]))
+    check_exponents(line)
     assert min(line["x"]) >= 0 and min(min(row) for row in line["y"]) >= 0
     assert line["e2"] >= line["lower_bound"] >= 0
     assert line["gap"] == pytest.approx(line["e2"] - line["lower_bound"], rel=1e-12, abs=1e-300)
@@ -54,7 +66,7 @@ FILES = ["two_lobe_satin.csv", "two_lobe_exact.csv", "ggx_metal.csv", "matte.csv
 
 
 @pytest.mark.parametrize("lobes", [1, 2])
-@pytest.mark.parametrize("distribution", ["beckmann", "ggx"])
+@pytest.mark.parametrize("distribution", model.DISTRIBUTIONS)
 @pytest.mark.parametrize("name", FILES)
 def test_every_line_is_true(desk, name, distribution, lobes):
     (line,) = harness.fit(name, "--lobes", str(lobes), "--distribution", distribution, cwd=desk)
@@ -85,6 +97,14 @@ def test_options_are_recorded(desk, options):
             "--gap": line["relative_gap"], "--box-budget": line["box_budget"], "--resolution": line["sigma_resolution"],
         }[option]
         assert str(recorded) == value or recorded == (90 if value == "off" else float(value))
+
+
+def test_exponent_options_are_recorded(desk):
+    (line,) = harness.fit("two_lobe_satin.csv", "--distribution", "blinn-phong", "--exponent-min", "3", "--exponent-max=7.5",
+                          cwd=desk)
+    check_contract(line, 1)
+    assert line["exponent_range"] == [3, 7.5] and line["exponent"] == [7.5] and line["warnings"] == [["at_limit"]]
+    model.check_line(line, desk / "two_lobe_satin.csv")
 
 
 @pytest.mark.parametrize("bins", ["edge", "centre"])

@@ -58,7 +58,7 @@ static double bound_of(struct fit *f, int lobes, const double range[4])
         f->axis.coordinate[i] = range[i];
     }
     box.interval[1] = lobes > 1 ? 1 : 0;
-    brdffit_bound_moment_start(&f->moment, &f->data, f->family, &f->axis, lobes, INFINITY);
+    brdffit_bound_moment_start(&f->moment, &f->data, f->family, &f->axis, lobes);
     if (lobes > 1) {
         (void)brdffit_bound_moment_two(&f->moment, &box, &met);
     } else {

@@ -3,6 +3,8 @@
  * and the file alone. SPDX-License-Identifier: MIT */
 #include "json_fit.h"
 
+#include <math.h>
+
 #include "failure.h"
 #include "words.h"
 
@@ -97,6 +99,12 @@ static void parameters(cli_json *json, const brdffit_result *result)
     const brdffit_model *const model = &result->model;
     const size_t lobes = (size_t)model->lobes;
     brdffit_cli_json_numbers(json, "sigma", model->sigma, lobes);
+    if (brdffit_cli_by_exponent(model->distribution)) {
+        brdffit_cli_json_open(json, "exponent", '[');
+        for (size_t p = 0; p < lobes; p++)
+            brdffit_cli_json_number(json, NULL, result->lobe[p].exponent);
+        brdffit_cli_json_close(json, ']');
+    }
     brdffit_cli_json_numbers(json, "x", model->x, model->channels);
     brdffit_cli_json_open(json, "y", '[');
     for (size_t k = 0; k < model->channels; k++)
@@ -110,6 +118,18 @@ static void parameters(cli_json *json, const brdffit_result *result)
     brdffit_cli_json_number(json, "rms_total", result->rms_total);
     brdffit_cli_json_number(json, "sum_of_squares", result->sum_of_squares);
     brdffit_cli_json_number(json, "kkt_residual", result->kkt_residual);
+}
+
+static void exponent_intervals(cli_json *json, const brdffit_result *result)
+{
+    if (!brdffit_cli_by_exponent(result->model.distribution))
+        return;
+    brdffit_cli_json_open(json, "exponent_interval", '[');
+    for (int p = 0; p < result->model.lobes; p++) {
+        const double ends[2] = {result->lobe[p].exponent_low, result->lobe[p].exponent_high};
+        brdffit_cli_json_numbers(json, NULL, ends, 2);
+    }
+    brdffit_cli_json_close(json, ']');
 }
 
 static void lobes(cli_json *json, const brdffit_result *result)
@@ -129,6 +149,7 @@ static void lobes(cli_json *json, const brdffit_result *result)
         brdffit_cli_json_numbers(json, NULL, ends, 2);
     }
     brdffit_cli_json_close(json, ']');
+    exponent_intervals(json, result);
     brdffit_cli_json_open(json, "warnings", '[');
     for (int p = 0; p < count; p++) {
         brdffit_cli_json_open(json, NULL, '[');
@@ -142,10 +163,15 @@ static void lobes(cli_json *json, const brdffit_result *result)
 
 static void options(cli_json *json, const brdffit_options *o)
 {
-    const double range[2] = {o->sigma_min, o->sigma_max};
+    const double exponents[2] = {o->exponent_min, o->exponent_max};
+    const int by_exponent = brdffit_cli_by_exponent(o->distribution);
+    const double range[2] = {by_exponent ? 1 / sqrt(o->exponent_max) : o->sigma_min,
+                             by_exponent ? 1 / sqrt(o->exponent_min) : o->sigma_max};
     brdffit_cli_json_string(json, "normalise",
                             brdffit_cli_choice_name(brdffit_cli_normalise_choices, (int)o->normalise));
     brdffit_cli_json_numbers(json, "sigma_range", range, 2);
+    if (by_exponent)
+        brdffit_cli_json_numbers(json, "exponent_range", exponents, 2);
     brdffit_cli_json_number(json, "relative_gap", o->relative_gap);
     brdffit_cli_json_number(json, "absolute_gap", o->absolute_gap);
     brdffit_cli_json_number(json, "sigma_resolution", o->sigma_resolution);

@@ -200,6 +200,8 @@ static void set_defaults(cli_settings *settings)
     settings->normalise = (int)fit.normalise;
     settings->sigma_min = fit.sigma_min;
     settings->sigma_max = fit.sigma_max;
+    settings->exponent_min = fit.exponent_min;
+    settings->exponent_max = fit.exponent_max;
     settings->gap = fit.relative_gap;
     settings->absolute_gap = fit.absolute_gap;
     settings->resolution = fit.sigma_resolution;
@@ -228,6 +230,36 @@ static cli_parse check_output(const parser *p)
     return CLI_PARSED;
 }
 
+/* The range of a parameter: in order, and left alone where the distribution has another one. */
+static cli_parse check_range(const parser *p, const char *name, double low, double high,
+                             double default_low, double default_high)
+{
+    const brdffit_distribution distribution = (brdffit_distribution)p->settings->distribution;
+    if (!(low <= high)) {
+        fprintf(stderr, "brdffit %s: --%s-min %g is above --%s-max %g\n", p->command_name, name,
+                low, name, high);
+        return CLI_PARSE_FAILED;
+    }
+    const char *parameter = brdffit_parameter_string(distribution);
+    if (strcmp(name, parameter) == 0 || (low == default_low && high == default_high))
+        return CLI_PARSED;
+    fprintf(stderr, "brdffit %s: --distribution %s has no %s; its range is --%s-min to --%s-max\n",
+            p->command_name, brdffit_distribution_string(distribution), name, parameter, parameter);
+    return CLI_PARSE_FAILED;
+}
+
+static cli_parse check_ranges(const parser *p)
+{
+    const cli_settings *s = p->settings;
+    brdffit_options fit;
+    brdffit_options_init(&fit);
+    if (check_range(p, "sigma", s->sigma_min, s->sigma_max, fit.sigma_min, fit.sigma_max) !=
+        CLI_PARSED)
+        return CLI_PARSE_FAILED;
+    return check_range(p, "exponent", s->exponent_min, s->exponent_max, fit.exponent_min,
+                       fit.exponent_max);
+}
+
 /* What no single option can see. */
 static cli_parse check_together(const parser *p)
 {
@@ -249,11 +281,8 @@ static cli_parse check_together(const parser *p)
                 p->command_name);
         return usage(p);
     }
-    if (!(s->sigma_min <= s->sigma_max)) {
-        fprintf(stderr, "brdffit %s: --sigma-min %g is above --sigma-max %g\n", p->command_name,
-                s->sigma_min, s->sigma_max);
+    if (check_ranges(p) != CLI_PARSED)
         return usage(p);
-    }
     if (*s->merl_samples == '\0' || (s->output != NULL && *s->output == '\0')) {
         fprintf(stderr, "brdffit %s: --merl-samples and --output need a file's name\n",
                 p->command_name);

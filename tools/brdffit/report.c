@@ -77,13 +77,16 @@ void brdffit_cli_report_title(cli_text *text, cli_style style, const cli_job *jo
 
 static void lobe_table(cli_text *text, cli_style style, const brdffit_result *result)
 {
+    const int by_exponent = brdffit_cli_by_exponent(result->model.distribution);
     brdffit_cli_text_puts(text, "\n  lobe");
-    brdffit_cli_cell(text, style, brdffit_cli_glyph(style, CLI_SIGMA), 15);
+    brdffit_cli_cell(text, style, by_exponent ? "exponent n" : brdffit_cli_glyph(style, CLI_SIGMA),
+                     15);
     brdffit_cli_text_puts(text, "   share w   effective samples\n");
     for (int p = 0; p < result->model.lobes; p++) {
         const brdffit_lobe *const lobe = &result->lobe[p];
-        brdffit_cli_text_printf(text, "  %-4d%15.8g%8.1f %%%20.4g\n", p + 1, lobe->sigma,
-                                100 * lobe->weight, lobe->effective_samples);
+        brdffit_cli_text_printf(text, "  %-4d%15.8g%8.1f %%%20.4g\n", p + 1,
+                                by_exponent ? lobe->exponent : lobe->sigma, 100 * lobe->weight,
+                                lobe->effective_samples);
     }
 }
 

@@ -6,10 +6,18 @@
 #include <string.h>
 
 static const cli_choice lobes[] = {{"1", 1, 0}, {"2", 2, 0}, {NULL, 0, 0}};
-static const cli_choice norms[] = {{"l2", BRDFFIT_NORM_L2, 0}, {NULL, 0, 0}};
+static const cli_choice norms[] = {
+    {"l2", BRDFFIT_NORM_L2, 0}, {"l1", BRDFFIT_NORM_L1, 0}, {"linf", BRDFFIT_NORM_LINF, 0}, {NULL, 0, 0}};
 
 const cli_choice brdffit_cli_distribution_choices[] = {
-    {"beckmann", BRDFFIT_BECKMANN, 0}, {"ggx", BRDFFIT_GGX, 0}, {NULL, 0, 0}};
+    {"beckmann", BRDFFIT_BECKMANN, 0},
+    {"ggx", BRDFFIT_GGX, 0},
+    {"torrance-sparrow", BRDFFIT_TORRANCE_SPARROW, 0},
+    {"ward", BRDFFIT_WARD, 0},
+    {"blinn-phong", BRDFFIT_BLINN_PHONG, 0},
+    {"ashikhmin-shirley", BRDFFIT_ASHIKHMIN_SHIRLEY, 0},
+    {"lafortune", BRDFFIT_LAFORTUNE, 0},
+    {NULL, 0, 0}};
 const cli_choice brdffit_cli_normalise_choices[] = {
     {"max", BRDFFIT_NORMALISE_MAX, 0}, {"none", BRDFFIT_NORMALISE_NONE, 0}, {NULL, 0, 0}};
 const cli_choice brdffit_cli_quantity_choices[] = {
@@ -35,18 +43,25 @@ const cli_choice brdffit_cli_format_choices[] = {{"auto", BRDFFIT_IO_FORMAT_AUTO
 const cli_option brdffit_cli_options[] = {
     CHOICE("lobes", CLI_FIT, 0, lobes, lobes, "1|2", "specular lobes (default 1)"),
     CHOICE("distribution", CLI_FIT, 0, distribution, brdffit_cli_distribution_choices,
-           "beckmann|ggx", "microfacet distribution (default beckmann)"),
-    CHOICE("norm", CLI_FIT, 0, norm, norms, "l2", "what is minimised (default l2)"),
+           "NAME",
+           "what a lobe is: beckmann, ggx,\ntorrance-sparrow or ward, with roughness\n"
+           "sigma; blinn-phong, ashikhmin-shirley or\nlafortune, with exponent n\n(default beckmann)"),
+    CHOICE("norm", CLI_FIT, 0, norm, norms, "l2|l1|linf",
+           "sum of squared or of absolute residuals, or the\nlargest one (default l2)"),
     NUMBER("sigma-min", CLI_NUMBER, sigma_min, 1e-12, 0, 1e3, "X",
            "smallest roughness searched (default 1e-12)"),
     NUMBER("sigma-max", CLI_NUMBER, sigma_max, 1e-12, 0, 1e3, "X",
            "largest roughness searched (default 6)"),
+    NUMBER("exponent-min", CLI_NUMBER, exponent_min, 1e-6, 0, 1e24, "X",
+           "smallest exponent searched (default 0.1)"),
+    NUMBER("exponent-max", CLI_NUMBER, exponent_max, 1e-6, 0, 1e24, "X",
+           "largest exponent searched (default 1e7)"),
     NUMBER("gap", CLI_NUMBER, gap, 0, 1, 1e300, "X",
            "certify E^2 to within this fraction of the\nproven bound (default 1e-3)"),
     NUMBER("absolute-gap", CLI_NUMBER, absolute_gap, 0, 0, 1e300, "X",
            "or to within this fraction of the data's sum\nof squares (default 1e-12)"),
     NUMBER("resolution", CLI_NUMBER, resolution, 0, 0, 1e300, "X",
-           "do not split boxes narrower than this in\nevery sigma (default 0: off)"),
+           "do not split boxes narrower than this in\nevery sigma, or 1/sqrt(n) (default 0: off)"),
     NUMBER("box-budget", CLI_COUNT, box_budget, 1, 0, 9e15, "N",
            "most boxes to bound (default 1000000)"),
     CHOICE("normalise", CLI_FIT, 0, normalise, brdffit_cli_normalise_choices, "max|none",
@@ -90,6 +105,8 @@ void brdffit_cli_fit_options(const cli_settings *settings, brdffit_options *opti
     options->normalise = (brdffit_normalise)settings->normalise;
     options->sigma_min = settings->sigma_min;
     options->sigma_max = settings->sigma_max;
+    options->exponent_min = settings->exponent_min;
+    options->exponent_max = settings->exponent_max;
     options->relative_gap = settings->gap;
     options->absolute_gap = settings->absolute_gap;
     options->sigma_resolution = settings->resolution;

@@ -25,6 +25,8 @@ typedef struct cli_settings {
     int normalise;
     double sigma_min;
     double sigma_max;
+    double exponent_min;
+    double exponent_max;
     double gap;
     double absolute_gap;
     double resolution;

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 const char *brdffit_cli_warning_name(unsigned bit)
 {
@@ -14,6 +15,16 @@ const char *brdffit_cli_warning_name(unsigned bit)
     case BRDFFIT_WARN_AT_LIMIT: return "at_limit";
     default: return "unknown";
     }
+}
+
+int brdffit_cli_by_exponent(brdffit_distribution distribution)
+{
+    return strcmp(brdffit_parameter_string(distribution), "exponent") == 0;
+}
+
+const char *brdffit_cli_parameter(cli_style style, brdffit_distribution distribution)
+{
+    return brdffit_cli_by_exponent(distribution) ? "n" : brdffit_cli_glyph(style, CLI_SIGMA);
 }
 
 void brdffit_cli_grouped(cli_text *text, size_t number)
@@ -57,18 +68,30 @@ void brdffit_cli_directed(cli_text *text, double value, int digits, int up)
 
 static const char *distribution_title(brdffit_distribution distribution)
 {
-    return distribution == BRDFFIT_GGX ? "GGX" : "Beckmann";
+    switch (distribution) {
+    case BRDFFIT_BECKMANN: return "Beckmann";
+    case BRDFFIT_GGX: return "GGX";
+    case BRDFFIT_TORRANCE_SPARROW: return "Torrance-Sparrow";
+    case BRDFFIT_WARD: return "Ward";
+    case BRDFFIT_BLINN_PHONG: return "Blinn-Phong";
+    case BRDFFIT_ASHIKHMIN_SHIRLEY: return "Ashikhmin-Shirley";
+    case BRDFFIT_LAFORTUNE: return "Lafortune";
+    default: return "unknown";
+    }
 }
 
-/* "Beckmann fit with 2 lobes and σ in [1e-12, 6]" */
+/* "Beckmann fit with 2 lobes and σ in [1e-12, 6]", "Blinn-Phong fit with 1 lobe and n in [0.1, 1e+07]" */
 static void add_family(cli_text *text, cli_style style, const brdffit_result *result,
                        const brdffit_options *options)
 {
     const int lobes = result->model.lobes;
+    const brdffit_distribution distribution = result->model.distribution;
+    const int by_exponent = brdffit_cli_by_exponent(distribution);
     brdffit_cli_text_printf(text, "%s fit with %d %s and %s in\t[%.6g,\t%.6g]",
-                            distribution_title(result->model.distribution), lobes,
-                            lobes == 1 ? "lobe" : "lobes", brdffit_cli_glyph(style, CLI_SIGMA),
-                            options->sigma_min, options->sigma_max);
+                            distribution_title(distribution), lobes, lobes == 1 ? "lobe" : "lobes",
+                            brdffit_cli_parameter(style, distribution),
+                            by_exponent ? options->exponent_min : options->sigma_min,
+                            by_exponent ? options->exponent_max : options->sigma_max);
 }
 
 /* Digits that show the two apart, and at least five. */
@@ -155,7 +178,7 @@ static void add_stop(cli_text *text, cli_style style, const brdffit_result *resu
         return;
     case BRDFFIT_STOP_MEMORY:
         brdffit_cli_text_printf(text, "its table of %s values was full",
-                                brdffit_cli_glyph(style, CLI_SIGMA));
+                                brdffit_cli_parameter(style, result->model.distribution));
         return;
     case BRDFFIT_STOP_CANCELLED: brdffit_cli_text_puts(text, "it was interrupted"); return;
     default: brdffit_cli_text_puts(text, brdffit_stop_string(result->stop)); return;
@@ -212,10 +235,28 @@ void brdffit_cli_certificate(cli_text *text, cli_style style, const brdffit_resu
 
 /* ---- Warnings ---------------------------------------------------------- */
 
+/* "σ sits on the lower end of the range searched; lower --sigma-min." */
+static void add_at_limit(cli_text *words, cli_style style, const brdffit_lobe *lobe,
+                         const brdffit_options *options)
+{
+    const char *name = brdffit_parameter_string(options->distribution);
+    const int by_exponent = brdffit_cli_by_exponent(options->distribution);
+    const double value = by_exponent ? lobe->exponent : lobe->sigma;
+    const double low = by_exponent ? options->exponent_min : options->sigma_min;
+    const double high = by_exponent ? options->exponent_max : options->sigma_max;
+    const char *parameter = brdffit_cli_parameter(style, options->distribution);
+    if (value - low < high - value)
+        brdffit_cli_text_printf(words, "%s sits on the lower end of the range searched; lower "
+                                       "--%s-min.", parameter, name);
+    else
+        brdffit_cli_text_printf(words, "%s sits on the upper end of the range searched; raise "
+                                       "--%s-max.", parameter, name);
+}
+
 static void add_warning(cli_text *words, cli_style style, const brdffit_lobe *lobe, unsigned bit,
                         int lobes, const brdffit_options *options)
 {
-    const char *sigma = brdffit_cli_glyph(style, CLI_SIGMA);
+    const int by_exponent = brdffit_cli_by_exponent(options->distribution);
     switch (bit) {
     case BRDFFIT_WARN_UNRESOLVED:
         brdffit_cli_text_puts(words, "rests on no more than ");
@@ -227,21 +268,16 @@ static void add_warning(cli_text *words, cli_style style, const brdffit_lobe *lo
         brdffit_cli_text_printf(words,
                                 "the data cannot tell %s inside [%.6g,\t%.6g]: any value there fits "
                                 "as well.",
-                                sigma, lobe->sigma_low, lobe->sigma_high);
+                                brdffit_cli_parameter(style, options->distribution),
+                                by_exponent ? lobe->exponent_low : lobe->sigma_low,
+                                by_exponent ? lobe->exponent_high : lobe->sigma_high);
         break;
     case BRDFFIT_WARN_UNUSED:
         brdffit_cli_text_printf(words, "its coefficient is 0 in every channel: %s.",
                                 lobes == 1 ? "the data show no such lobe"
                                            : "one lobe fewer fits as well");
         break;
-    case BRDFFIT_WARN_AT_LIMIT:
-        if (lobe->sigma - options->sigma_min < options->sigma_max - lobe->sigma)
-            brdffit_cli_text_printf(words, "%s sits on the lower end of the range searched; lower "
-                                           "--sigma-min.", sigma);
-        else
-            brdffit_cli_text_printf(words, "%s sits on the upper end of the range searched; raise "
-                                           "--sigma-max.", sigma);
-        break;
+    case BRDFFIT_WARN_AT_LIMIT: add_at_limit(words, style, lobe, options); break;
     default: brdffit_cli_text_printf(words, "warning %u.", bit); break;
     }
 }

@@ -1,0 +1,130 @@
+/*
+ * Random problems of every kind, each result judged: layouts, forms, distributions (also other than the truth's),
+ * noise, weights, tilted normals, zeros and negatives in the data, ranges of sigma, gaps, budgets.
+ * To see more of them: test_random FIRST COUNT. SPDX-License-Identifier: MIT
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "support.h"
+
+static unsigned long first = 0, count = 250;
+
+static int one_in(struct brdffit_test_random *random, size_t n)
+{
+    return brdffit_test_below(random, n) == 0;
+}
+
+static struct brdffit_test_spec random_spec(struct brdffit_test_random *random)
+{
+    struct brdffit_test_spec spec = brdffit_test_spec_default();
+    int p;
+
+    spec.seed = brdffit_test_bits(random);
+    spec.count = 1 + brdffit_test_below(random, one_in(random, 4) ? 8 : 90);
+    spec.channels = 1 + brdffit_test_below(random, 4);
+    spec.layout = (enum brdffit_test_layout)brdffit_test_below(random, 3);
+    spec.form = (brdffit_form)brdffit_test_below(random, 3);
+    if (spec.form != BRDFFIT_FORM_COEFFICIENTS && one_in(random, 2)) {
+        spec.quantity = BRDFFIT_QUANTITY_BRDF;
+    }
+    spec.distribution = (brdffit_distribution)brdffit_test_below(random, 2);
+    spec.lobes = 1 + (int)brdffit_test_below(random, 2);
+    spec.diffuse = one_in(random, 5) ? 0.0 : brdffit_test_uniform(random, 0.0, 1.0);
+    for (p = 0; p < 2; p++) {
+        spec.sigma[p] = brdffit_test_log_uniform(random, 1e-3, 3.0);
+        spec.specular[p] = spec.sigma[p] * spec.sigma[p] * brdffit_test_log_uniform(random, 1e-3, 10.0);
+    }
+    spec.noise = one_in(random, 3) ? 0.0 : brdffit_test_log_uniform(random, 1e-4, 0.5);
+    spec.weighted = one_in(random, 4);
+    spec.normals = one_in(random, 4);
+    return spec;
+}
+
+static brdffit_options random_options(struct brdffit_test_random *random)
+{
+    brdffit_options options;
+
+    brdffit_options_init(&options);
+    options.lobes = 1 + (int)brdffit_test_below(random, 2);
+    options.distribution = (brdffit_distribution)brdffit_test_below(random, 2);
+    options.normalise = one_in(random, 4) ? BRDFFIT_NORMALISE_NONE : BRDFFIT_NORMALISE_MAX;
+    if (one_in(random, 4)) {
+        options.sigma_max = brdffit_test_log_uniform(random, 1e-2, 1e3);
+    }
+    if (one_in(random, 4)) {
+        options.sigma_min = brdffit_test_log_uniform(random, 1e-12, options.sigma_max);
+    }
+    if (one_in(random, 3)) {
+        options.relative_gap = brdffit_test_log_uniform(random, 1e-6, 1.0);
+    }
+    if (one_in(random, 4)) {
+        options.max_incidence = 90.0;
+    }
+    options.box_budget = one_in(random, 6) ? 1 + brdffit_test_below(random, 2000) : 50000;
+    return options;
+}
+
+static double largest_square(const struct brdffit_test_data *data)
+{
+    double largest = 0.0;
+    size_t i;
+
+    for (i = 0; i < data->samples.count * data->samples.channels; i++) {
+        largest = fmax(largest, data->values[i] * data->values[i]);
+    }
+    return largest;
+}
+
+static void test_random_problems(void **state)
+{
+    unsigned long seed, fitted = 0;
+
+    (void)state;
+    for (seed = first; seed < first + count; seed++) {
+        struct brdffit_test_random random = {0x9e37u * (uint64_t)seed + 1u};
+        struct brdffit_test_spec spec = random_spec(&random);
+        brdffit_options options = random_options(&random);
+        struct brdffit_test_data data;
+        struct brdffit_test_fit fit;
+        size_t used = 0, i;
+        int spoil;
+
+        brdffit_test_data_new(&spec, &data);
+        spoil = one_in(&random, 6);
+        for (i = 0; spoil && i < spec.count * spec.channels; i++) {
+            data.values[i] *= one_in(&random, 3) ? (one_in(&random, 2) ? 0.0 : -1.0) : 1.0;
+        }
+        if (largest_square(&data) < 1e-290) {
+            options.normalise = BRDFFIT_NORMALISE_MAX; /* their own sum of squares is no normal number */
+        }
+        if (brdffit_inspect(&data.samples, &options, &used, NULL, NULL) == BRDFFIT_OK) {
+            brdffit_test_fit(&data.samples, &options, &fit);
+            assert_int_equal(fit.result.samples_used, used);
+            fitted++;
+            brdffit_test_fit_free(&fit);
+        } else {
+            assert_int_equal(used, 0);
+        }
+        brdffit_test_data_free(&data);
+    }
+    assert_true(fitted > count / 2);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_random_problems),
+    };
+
+    if (argc == 3) {
+        first = strtoul(argv[1], NULL, 10);
+        count = strtoul(argv[2], NULL, 10);
+    }
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
