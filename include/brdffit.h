@@ -194,6 +194,11 @@ typedef enum brdffit_norm {
     BRDFFIT_NORM_COUNT
 } brdffit_norm;
 
+/*
+ * What is minimised, with residuals r in the units that were minimised. L1 and LINF are solved and proven by linear
+ * programs (ECOS allocates a solver per fit; BRDFFIT_ERR_UNSUPPORTED in a build without it) whatever
+ * brdffit_options.engine says; time and memory grow with the number of samples, which do not collapse as for L2.
+ */
 BRDFFIT_API const char *brdffit_norm_string(brdffit_norm norm);
 
 /* How boxes of roughness are discarded; both prove the same thing. */
@@ -235,8 +240,8 @@ typedef struct brdffit_options {
     brdffit_distribution distribution;
     brdffit_norm norm;
     brdffit_normalise normalise;
-    brdffit_engine engine;   /* Default moment */
-    int socp_every_box;      /* engine socp: 1 sends every box to ECOS as the paper does; 0 (default) decides the
+    brdffit_engine engine;   /* of norm L2; the others have their own. Default moment */
+    int socp_every_box;      /* engine socp, norms L1 and LINF: 1 sends every box to ECOS as the paper does; 0 (default) decides the
                                 ones that a closed form can */
     double sigma_min;        /* > 0, >= 1e-12. Default 1e-12 */
     double sigma_max;        /* >= sigma_min, <= 1e3. Default 6 */
@@ -305,14 +310,16 @@ typedef struct brdffit_lobe {
 /*
  * Result of a fit. model.x, model.y, channel_scale and rms point into the
  * workspace (or into the block of brdffit_fit_new) and live as long as it.
- * "Units that were minimised" are the data's divided by channel_scale.
+ * "Units that were minimised" are the data's divided by channel_scale. "E^2"
+ * of e2, lower_bound, gap and sum_of_squares is what the norm minimises: for
+ * L1 the sum of w |r|, for LINF the largest |r|, not squared.
  */
 typedef struct brdffit_result {
     brdffit_model model;
     brdffit_lobe lobe[BRDFFIT_MAX_LOBES];
     const double *channel_scale; /* K divisors, > 0 */
     const double *rms;           /* K root mean square (weighted) radiance residuals, data's units */
-    double rms_total;            /* sqrt(E^2 / (K sum w)), units that were minimised */
+    double rms_total;            /* sqrt(sum w r^2 / (K sum w)) over all, whatever the norm; units that were minimised */
     double e2;                   /* E^2 at the optimum, evaluated on the samples themselves */
     double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
     double gap;                  /* e2 - lower_bound, >= 0 */
@@ -321,12 +328,13 @@ typedef struct brdffit_result {
                                     is near the mirror direction; then narrower lobes have coefficients y beyond
                                     any double (c_min / sigma^2 above about 690) and are outside of the model; INFINITY
                                     when that leaves no lobe at all */
-    double kkt_residual;         /* of the coefficients given sigma, relative to the data's norm */
+    double kkt_residual;         /* of the coefficients given sigma, relative to the data's norm; L1 and LINF: largest
+                                    duality gap of a channel's linear program, proven, relative to its zero model */
     brdffit_stop stop;
     int certified;               /* 1 when stop is a gap; 0: incumbent and bound are valid, gap is open */
     size_t boxes;                /* bounded by the search */
-    size_t nodes;                /* one-dimensional evaluations; engine socp: restricted problems */
-    size_t socp_solved;          /* cone programs solved by ECOS */
+    size_t nodes;                /* one-dimensional evaluations; engine socp, norms L1 and LINF: restricted problems */
+    size_t socp_solved;          /* cone programs (L1 and LINF: linear programs) solved by ECOS */
     size_t socp_refused;         /* of these, without a certificate that holds: the box was kept */
     size_t socp_decided;         /* boxes that needed no cone program */
     size_t distinct_c;           /* samples were merged into this many distinct c */

@@ -82,13 +82,19 @@ static void make_pattern(struct bound_socp *e)
 brdffit_status brdffit_bound_socp_start(struct bound_socp *e, struct varpro *varpro, const struct axis *axis,
                                         int cheap)
 {
+    brdffit_status status;
+
     e->axis = axis;
     e->varpro = varpro;
     e->cheap = cheap;
     e->evaluated = e->solved = e->refused = e->decided = 0;
     e->solver = NULL;
     make_pattern(e);
-    return brdffit_socp_new(&e->program, &e->solver);
+    status = brdffit_socp_new(&e->program, &e->solver);
+    if (status == BRDFFIT_OK) {
+        brdffit_socp_trust_scale(e->solver); /* unit columns; and e_p is as small as it is */
+    }
+    return status;
 }
 
 void brdffit_bound_socp_finish(struct bound_socp *e)

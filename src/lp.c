@@ -90,11 +90,17 @@ static void make_pattern(struct lp *lp)
 
 brdffit_status brdffit_lp_start(struct lp *lp, size_t rows)
 {
+    brdffit_status status;
+
     lp->rows = rows;
     lp->solver = NULL;
     lp->solved = lp->refused = 0;
     make_pattern(lp);
-    return brdffit_socp_new(&lp->shape, &lp->solver);
+    status = brdffit_socp_new(&lp->shape, &lp->solver);
+    if (status == BRDFFIT_OK) {
+        brdffit_socp_trust_scale(lp->solver);
+    }
+    return status;
 }
 
 void brdffit_lp_finish(struct lp *lp)

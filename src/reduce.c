@@ -124,6 +124,10 @@ static brdffit_status choose_channel_scales(struct reduced *r, const brdffit_opt
         } else if (!(r->channel_scale[k] > 0.0)) {
             r->channel_scale[k] = 1.0;
         }
+        if (r->ii[k] > 0.0 && !(r->ii[k] >= LIMIT_SMALLEST)) {
+            return brdffit_fail_at(error, "a channel's values are all below 1e-280: scale them", BRDFFIT_NONE, k,
+                                   r->ii[k]);
+        }
         if (!(r->ii[k] / r->channel_scale[k] <= LIMIT_VALUE)) {
             return brdffit_fail_at(error, "a channel's values span more than 150 orders of magnitude",
                                    BRDFFIT_NONE, k, r->ii[k]);

@@ -39,6 +39,7 @@ void brdffit_scaling_start(struct scaling *scaling, const struct conic_shape *sh
     size_t row = shape->linear;
     size_t i, j;
 
+    scaling->trusted = 0;
     for (j = 0; j <= scaling->variables; j++) {
         scaling->column[j] = shape->column ? shape->column[j] : j * scaling->rows;
     }
@@ -159,7 +160,7 @@ static void find_scales(struct scaling *scaling, const struct conic_data *data)
         scaling->column_scale[i] = 0;
     }
     scaling->h_scale = scaling->c_scale = 0;
-    for (pass = 1; pass <= PASSES; pass++) {
+    for (pass = 1; pass <= PASSES && !scaling->trusted; pass++) {
         balance_vectors(scaling);
         balance_groups(scaling, pass == PASSES);
         balance_columns(scaling, pass == PASSES);

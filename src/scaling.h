@@ -29,12 +29,13 @@ struct scaling {
     int *group_scale, *column_scale;
     struct scaling_range *range;
     int h_scale, c_scale;
+    int trusted; /* the caller's rows and columns are of like size already: scale h and c only */
 };
 
 /* Take memory for a valid shape; the arena may only be counting. */
 void brdffit_scaling_layout(struct scaling *scaling, struct arena *arena, const struct conic_shape *shape);
 
-/* Copy the pattern; once, after a layout with memory. */
+/* Copy the pattern; once, after a layout with memory. Not trusted. */
 void brdffit_scaling_start(struct scaling *scaling, const struct conic_shape *shape);
 
 /* Find the scales of finite data and write the scaled program to g, c and h. */

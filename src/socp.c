@@ -38,6 +38,11 @@ brdffit_status brdffit_socp_solve(struct socp *socp, const struct conic_data *da
     return BRDFFIT_ERR_UNSUPPORTED;
 }
 
+void brdffit_socp_trust_scale(struct socp *socp)
+{
+    (void)socp;
+}
+
 void brdffit_socp_free(struct socp *socp)
 {
     (void)socp;
@@ -149,6 +154,11 @@ brdffit_status brdffit_socp_new(const struct conic_shape *shape, struct socp **r
     socp->work->stgs->verbose = 0;
     *result = socp;
     return BRDFFIT_OK;
+}
+
+void brdffit_socp_trust_scale(struct socp *socp)
+{
+    socp->scaling.trusted = 1;
 }
 
 void brdffit_socp_free(struct socp *socp)

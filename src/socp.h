@@ -42,6 +42,11 @@ brdffit_status brdffit_socp_new(const struct conic_shape *shape, struct socp **s
 brdffit_status brdffit_socp_solve(struct socp *socp, const struct conic_data *data, double *x, double *z,
                                   struct socp_result *result);
 
+/* The caller's rows and columns are of like size already: from now on leave them alone. Numbers that are next to
+ * nothing, such as those of a sample far from a lobe or a deviation of 1e-7, would otherwise decide how a column is
+ * scaled. */
+void brdffit_socp_trust_scale(struct socp *socp);
+
 void brdffit_socp_free(struct socp *socp); /* NULL is fine */
 
 #endif

@@ -9,6 +9,7 @@
 
 #include "eval_table.h"
 #include "failure.h"
+#include "words.h"
 
 /* A fit of this very file gives its own E^2 again; further off than rounding
  * means that the file or the way it is read has changed. */
@@ -66,11 +67,12 @@ static int read_table(const cli_settings *settings, const cli_fit *fit, const ch
 static void print_figures(const cli_comparison *c, const cli_figures *figures)
 {
     const cli_style style = brdffit_cli_style(stderr);
-    const char *squared = brdffit_cli_glyph(style, CLI_SQUARED);
     const cli_fit *const fit = c->fit;
+    const char *objective = brdffit_cli_objective(style, fit->norm);
+    const double rounding = fit->norm == BRDFFIT_NORM_L2 ? ROUNDING : sqrt(ROUNDING);
     cli_text text = {0};
-    brdffit_cli_text_printf(&text, "%zu of %zu samples: E%s %.15g here, %.15g in fit %zu; RMS",
-                            figures->used, c->table->samples.count, squared, figures->e2, fit->e2,
+    brdffit_cli_text_printf(&text, "%zu of %zu samples: %s %.15g here, %.15g in fit %zu; RMS",
+                            figures->used, c->table->samples.count, objective, figures->e2, fit->e2,
                             fit->line);
     for (size_t k = 0; k < fit->model.channels; k++) {
         brdffit_cli_text_puts(&text, k == 0 ? " " : ", ");
@@ -78,9 +80,9 @@ static void print_figures(const cli_comparison *c, const cli_figures *figures)
         brdffit_cli_text_printf(&text, " %.15g", figures->rms[k]);
     }
     fprintf(stderr, "brdffit: %s\n", brdffit_cli_text_string(&text));
-    if (!(fabs(figures->e2 - fit->e2) <= AGREEMENT * fit->e2 + ROUNDING * figures->data))
-        fprintf(stderr, "brdffit: this is not the E%s of the fit: other data, or read another way\n",
-                squared);
+    if (!(fabs(figures->e2 - fit->e2) <= AGREEMENT * fit->e2 + rounding * figures->data))
+        fprintf(stderr, "brdffit: this is not the %s of the fit: other data, or read another way\n",
+                objective);
     brdffit_cli_text_free(&text);
 }
 

@@ -151,6 +151,14 @@ int brdffit_cli_eval_rows(const cli_comparison *c, cli_output *output)
 
 /* ---- Figures ----------------------------------------------------------- */
 
+/* One residual, in the units that were minimised, on top of what there is. */
+static double accumulate(brdffit_norm norm, double sum, double weight, double residual)
+{
+    if (norm == BRDFFIT_NORM_LINF)
+        return fmax(sum, fabs(residual));
+    return sum + weight * (norm == BRDFFIT_NORM_L1 ? fabs(residual) : residual * residual);
+}
+
 void brdffit_cli_eval_figures(const cli_comparison *c, cli_figures *figures)
 {
     const brdffit_samples *const samples = &c->table->samples;
@@ -173,14 +181,17 @@ void brdffit_cli_eval_figures(const cli_comparison *c, cli_figures *figures)
         for (size_t k = 0; k < channels; k++) {
             const double value = samples->values[i * samples->channels + c->measured[k]];
             const double residual = (value - c->fitted[i * channels + k]) * to_radiance;
-            const double scaled = value * to_radiance / c->fit->channel_scale[k];
+            const double scale = c->fit->channel_scale[k];
             figures->rms[k] += weight * residual * residual;
-            figures->data += weight * scaled * scaled;
+            figures->data = accumulate(c->fit->norm, figures->data, weight, value * to_radiance / scale);
+            if (c->fit->norm != BRDFFIT_NORM_L2)
+                figures->e2 = accumulate(c->fit->norm, figures->e2, weight, residual / scale);
         }
     }
     for (size_t k = 0; k < channels; k++) {
         const double scale = c->fit->channel_scale[k];
-        figures->e2 += figures->rms[k] / scale / scale;
+        if (c->fit->norm == BRDFFIT_NORM_L2)
+            figures->e2 += figures->rms[k] / scale / scale;
         figures->rms[k] = weights > 0 ? sqrt(figures->rms[k] / weights) : 0;
     }
 }

@@ -22,13 +22,13 @@ void brdffit_cli_match_channels(cli_comparison *comparison);
 int brdffit_cli_eval_rows(const cli_comparison *comparison, cli_output *output);
 
 typedef struct cli_figures {
-    double e2;    /* in the units that were minimised */
-    double data;  /* E^2 of the zero model: what the data themselves weigh */
+    double e2;    /* in the norm of the fit and the units that were minimised */
+    double data;  /* the same of the zero model: what the data themselves weigh */
     size_t used;  /* samples that they rest on */
     double *rms;  /* K entries of the caller: radiance, the data's units */
 } cli_figures;
 
-/* E^2 and RMS over the samples that the fit would use; complete only. */
+/* The objective and RMS over the samples that the fit would use; complete only. */
 void brdffit_cli_eval_figures(const cli_comparison *comparison, cli_figures *figures);
 
 #endif

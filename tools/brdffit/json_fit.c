@@ -112,6 +112,7 @@ static void parameters(cli_json *json, const brdffit_result *result)
     brdffit_cli_json_close(json, ']');
     brdffit_cli_json_numbers(json, "channel_scale", result->channel_scale, model->channels);
     brdffit_cli_json_number(json, "e2", result->e2);
+    brdffit_cli_json_number(json, "objective", result->e2);
     brdffit_cli_json_number(json, "lower_bound", result->lower_bound);
     brdffit_cli_json_number(json, "gap", result->gap);
     brdffit_cli_json_numbers(json, "rms", result->rms, model->channels);

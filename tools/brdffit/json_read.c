@@ -176,6 +176,20 @@ static const char *read_source(cli_fit *fit, const cJSON *object)
     return read_directions(fit, object);
 }
 
+/* What was minimised, and how small it was. */
+static const char *read_objective(cli_fit *fit, const cJSON *object)
+{
+    int norm = BRDFFIT_NORM_L2;
+    if (!choice_member(object, "norm", brdffit_cli_norm_choices, &norm))
+        return "norm";
+    fit->norm = (brdffit_norm)norm;
+    const cJSON *const e2 = member(object, "e2");
+    if (!cJSON_IsNumber(e2) || !(e2->valuedouble >= 0))
+        return "e2";
+    fit->e2 = e2->valuedouble;
+    return NULL;
+}
+
 /* The name of the member that makes the fit unusable, or NULL. */
 static const char *read_fit(cli_fit *fit, const cJSON *object)
 {
@@ -188,13 +202,7 @@ static const char *read_fit(cli_fit *fit, const cJSON *object)
         bad = read_names(fit, object);
     if (bad == NULL)
         bad = read_source(fit, object);
-    if (bad != NULL)
-        return bad;
-    const cJSON *const e2 = member(object, "e2");
-    if (!cJSON_IsNumber(e2) || !(e2->valuedouble >= 0))
-        return "e2";
-    fit->e2 = e2->valuedouble;
-    return NULL;
+    return bad != NULL ? bad : read_objective(fit, object);
 }
 
 int brdffit_cli_fit_parse(cli_fit *fit, const cJSON *object, const char *path)

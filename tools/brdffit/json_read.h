@@ -12,7 +12,8 @@ typedef struct cli_fit {
     brdffit_model model; /* x and y point into `numbers` */
     const double *channel_scale;
     const double *rms;
-    double e2;
+    brdffit_norm norm;
+    double e2;          /* what was minimised, in that norm */
     double max_incidence;
     char **names;       /* K names of channels, or NULL when the line has none */
     int quantity;       /* CLI_UNSET, or a brdffit_quantity */

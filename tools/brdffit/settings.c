@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const cli_choice lobes[] = {{"1", 1, 0}, {"2", 2, 0}, {NULL, 0, 0}};
-static const cli_choice norms[] = {
+const cli_choice brdffit_cli_norm_choices[] = {
     {"l2", BRDFFIT_NORM_L2, 0}, {"l1", BRDFFIT_NORM_L1, 0}, {"linf", BRDFFIT_NORM_LINF, 0}, {NULL, 0, 0}};
 
 const cli_choice brdffit_cli_distribution_choices[] = {
@@ -46,8 +46,8 @@ const cli_option brdffit_cli_options[] = {
            "NAME",
            "what a lobe is: beckmann, ggx,\ntorrance-sparrow or ward, with roughness\n"
            "sigma; blinn-phong, ashikhmin-shirley or\nlafortune, with exponent n\n(default beckmann)"),
-    CHOICE("norm", CLI_FIT, 0, norm, norms, "l2|l1|linf",
-           "sum of squared or of absolute residuals, or the\nlargest one (default l2)"),
+    CHOICE("norm", CLI_FIT, 0, norm, brdffit_cli_norm_choices, "l2|l1|linf",
+           "minimise the sum of squared or of absolute\nresiduals, or the largest one (default l2)"),
     NUMBER("sigma-min", CLI_NUMBER, sigma_min, 1e-12, 0, 1e3, "X",
            "smallest roughness searched (default 1e-12)"),
     NUMBER("sigma-max", CLI_NUMBER, sigma_max, 1e-12, 0, 1e3, "X",

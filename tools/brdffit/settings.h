@@ -97,6 +97,7 @@ void brdffit_cli_io_options(const cli_settings *settings, brdffit_io_options *op
 /* Name of a value in a list of choices. */
 const char *brdffit_cli_choice_name(const cli_choice *choices, int value);
 
+extern const cli_choice brdffit_cli_norm_choices[];
 extern const cli_choice brdffit_cli_normalise_choices[];
 extern const cli_choice brdffit_cli_quantity_choices[];
 extern const cli_choice brdffit_cli_bins_choices[];

@@ -27,6 +27,15 @@ const char *brdffit_cli_parameter(cli_style style, brdffit_distribution distribu
     return brdffit_cli_by_exponent(distribution) ? "n" : brdffit_cli_glyph(style, CLI_SIGMA);
 }
 
+const char *brdffit_cli_objective(cli_style style, brdffit_norm norm)
+{
+    if (norm == BRDFFIT_NORM_L1)
+        return "sum of absolute residuals";
+    if (norm == BRDFFIT_NORM_LINF)
+        return "maximum absolute residual";
+    return style.utf8 ? "E²" : "E^2";
+}
+
 void brdffit_cli_grouped(cli_text *text, size_t number)
 {
     if (number >= 1000) {
@@ -117,18 +126,31 @@ static void add_above(cli_text *text, const brdffit_result *result)
         brdffit_cli_text_puts(text, " (the same to rounding)");
 }
 
+/* The noun in a sentence: "has E² below", "has a sum of absolute residuals below". */
+static const char *article(brdffit_norm norm)
+{
+    return norm == BRDFFIT_NORM_L2 ? "" : "a ";
+}
+
+static void exact(cli_text *text, cli_style style, const brdffit_options *options)
+{
+    brdffit_cli_text_printf(text, "this fit is exact, %s%s is 0.",
+                            options->norm == BRDFFIT_NORM_L2 ? "" : "its ",
+                            brdffit_cli_objective(style, options->norm));
+}
+
 static void proven_relative(cli_text *text, cli_style style, const brdffit_result *result,
                             const brdffit_options *options)
 {
     const int digits = telling_digits(result->lower_bound, result->e2);
     if (!(result->e2 > 0)) {
-        brdffit_cli_text_printf(text, "this fit is exact, E%s is 0.",
-                                brdffit_cli_glyph(style, CLI_SQUARED));
+        exact(text, style, options);
         return;
     }
     brdffit_cli_text_puts(text, "no ");
     add_family(text, style, result, options);
-    brdffit_cli_text_printf(text, " has E%s below ", brdffit_cli_glyph(style, CLI_SQUARED));
+    brdffit_cli_text_printf(text, " has %s%s below ", article(options->norm),
+                            brdffit_cli_objective(style, options->norm));
     brdffit_cli_directed(text, result->lower_bound, digits, 0);
     brdffit_cli_text_puts(text, "; this one has ");
     brdffit_cli_directed(text, result->e2, digits, 1);
@@ -139,23 +161,25 @@ static void proven_relative(cli_text *text, cli_style style, const brdffit_resul
 static void proven_absolute(cli_text *text, cli_style style, const brdffit_result *result,
                             const brdffit_options *options)
 {
-    const char *squared = brdffit_cli_glyph(style, CLI_SQUARED);
+    const int squares = options->norm == BRDFFIT_NORM_L2;
     if (!(result->e2 > 0 && result->sum_of_squares > 0)) {
-        brdffit_cli_text_printf(text, "this fit is exact, E%s is 0.", squared);
+        exact(text, style, options);
         return;
     }
     const double share = result->gap / result->sum_of_squares;
-    brdffit_cli_text_printf(text, "E%s is ", squared);
+    brdffit_cli_text_printf(text, "%s%s is ", squares ? "" : "the ",
+                            brdffit_cli_objective(style, options->norm));
     brdffit_cli_directed(text, result->e2, 3, 1);
-    brdffit_cli_text_printf(text, ", the data's sum of squares %.6g", result->sum_of_squares);
-    if (result->e2 <= 1e-20 * result->sum_of_squares)
+    brdffit_cli_text_printf(text, ", the data's %s %.6g", squares ? "sum of squares" : "own",
+                            result->sum_of_squares);
+    if (result->e2 <= (squares ? 1e-20 : 1e-12) * result->sum_of_squares)
         brdffit_cli_text_puts(text, ": zero to rounding");
     if (share > 0) {
         brdffit_cli_text_puts(text, "; no ");
         add_family(text, style, result, options);
         brdffit_cli_text_puts(text, " can lower it by more than ");
         brdffit_cli_directed(text, share, 2, 1);
-        brdffit_cli_text_puts(text, " of that sum");
+        brdffit_cli_text_puts(text, options->norm == BRDFFIT_NORM_LINF ? " of that" : " of that sum");
     }
     brdffit_cli_text_puts(text, ".");
 }
@@ -202,8 +226,8 @@ static void not_proven(cli_text *text, cli_style style, const brdffit_result *re
     const int digits = telling_digits(result->lower_bound, result->e2);
     brdffit_cli_text_puts(text, "the search stopped because ");
     add_stop(text, style, result, options);
-    brdffit_cli_text_printf(text, ". The smallest E%s of any ",
-                            brdffit_cli_glyph(style, CLI_SQUARED));
+    brdffit_cli_text_printf(text, ". The smallest %s of any ",
+                            brdffit_cli_objective(style, options->norm));
     add_family(text, style, result, options);
     brdffit_cli_text_puts(text, " lies between ");
     brdffit_cli_directed(text, result->lower_bound, digits, 0);

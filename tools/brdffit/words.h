@@ -38,4 +38,7 @@ void brdffit_cli_duration(cli_text *text, double seconds);
  * above it (up = 0) or not below it (up = 1): what is claimed stays true. */
 void brdffit_cli_directed(cli_text *text, double value, int digits, int up);
 
+/* What a norm minimises, as a noun: "E²", "sum of absolute residuals", "maximum absolute residual". */
+const char *brdffit_cli_objective(cli_style style, brdffit_norm norm);
+
 #endif

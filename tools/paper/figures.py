@@ -67,7 +67,7 @@ def reprojection(out, name, title, rows, channels, caption):
             if line == 0:
                 axes.set_title(f"view {view:g}°", fontsize=9)
             if column == 0:
-                axes.set_ylabel("radiance" if scale == "linear" else f"radiance (log, from {floor:g})")
+                axes.set_ylabel("radiance" if scale == "linear" else "radiance ≥ 10⁻⁴")
     handles = [plt.Line2D([], [], color="#444444", lw=0, marker="o", ms=3, label="measured"),
                plt.Line2D([], [], color="#444444", lw=1, ls=(0, (3, 2)), label="one lobe"),
                plt.Line2D([], [], color="#444444", lw=1.2, label="two lobes")]
@@ -90,7 +90,7 @@ def improvements(out, rows, better):
     axes.annotate(f"threshold {better:g}: {many} better, {len(rows) - many} the same", (1, better), xytext=(0, 4),
                   textcoords="offset points", fontsize=8)
     axes.set(yscale="log", xlabel="material, sorted", ylabel="(E₁ − E₂) / E₂", xlim=(0, len(rows) + 1),
-             title=f"What a second lobe gains (below {floor:g}: drawn at {floor:g})")
+             title=f"What a second lobe gains (below 10⁻⁷: drawn there)")
     save(figure, out, "figure08")
 
 
@@ -132,7 +132,7 @@ def excesses(out, rows, labels, counts):
         starts = next(r["starts"] for r in rows if r["scope"] == scope)
         axes.set(yscale="log", ylim=(FLOOR / 2, None), xlabel="material, sorted",
                  title=f"{starts:,} starts, {counts[scope]} materials")
-    grid[0][0].set_ylabel(f"E² / certified E² − 1, two lobes\n(below {FLOOR:g}: drawn there)")
+    grid[0][0].set_ylabel("E² / certified E² − 1, two lobes\n(below 10⁻⁹: drawn there)")
     handles, names = grid[0][0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=3)
     save(figure, out, "figure10")
