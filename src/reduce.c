@@ -125,7 +125,7 @@ static brdffit_status choose_channel_scales(struct reduced *r, const brdffit_opt
             r->channel_scale[k] = 1.0;
         }
         if (r->ii[k] > 0.0 && !(r->ii[k] >= LIMIT_SMALLEST)) {
-            return brdffit_fail_at(error, "a channel's values are all below 1e-280: scale them", BRDFFIT_NONE, k,
+            return brdffit_fail_at(error, "a channel's values are all below 1e-304: scale them", BRDFFIT_NONE, k,
                                    r->ii[k]);
         }
         if (!(r->ii[k] / r->channel_scale[k] <= LIMIT_VALUE)) {

@@ -33,7 +33,7 @@
 /* Largest c (tan^2 alpha): its products with s stay finite. */
 #define LIMIT_C 1e100
 /* Smallest largest value of a channel: coefficients in the data's units must keep their digits. */
-#define LIMIT_SMALLEST 1e-280
+#define LIMIT_SMALLEST 1e-304
 /* Largest magnitude of data that is minimised in its own units: its square must stay finite. */
 #define LIMIT_VALUE 1e150
 

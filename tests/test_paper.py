@@ -25,6 +25,9 @@ import report  # noqa: E402
 
 @pytest.fixture(scope="module")
 def instruments(tmp_path_factory):
+    for part in ("goniometer", "brdffit", "tests/ref/brute"):
+        if not (BUILD / part).exists():
+            pytest.fail(f"{BUILD / part} is not built: run make check, or set BRDFFIT_BUILD", pytrace=False)
     folder = tmp_path_factory.mktemp("goniometer")
     subprocess.run([BUILD / "goniometer", folder], check=True, capture_output=True)
     return folder

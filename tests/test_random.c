@@ -70,7 +70,7 @@ static brdffit_options random_options(struct brdffit_test_random *random)
     return options;
 }
 
-/* Data that a fit refuses for their size: a channel all below 1e-280, or a sum of squares that is no normal number. */
+/* Data that a fit refuses for their size: a channel all below 1e-304 (and 1e-300 here), or a sum of squares that is no normal number. */
 static int too_small(const struct brdffit_test_data *data, brdffit_normalise normalise)
 {
     double all = 0.0;
@@ -82,7 +82,7 @@ static int too_small(const struct brdffit_test_data *data, brdffit_normalise nor
         for (i = 0; i < data->samples.count; i++) {
             largest = fmax(largest, fabs(data->values[i * n + k]));
         }
-        if (largest > 0.0 && largest < 1e-270) {
+        if (largest > 0.0 && largest < 1e-300) {
             return 1;
         }
         all = fmax(all, largest);

@@ -90,7 +90,7 @@ def improvements(out, rows, better):
     axes.annotate(f"threshold {better:g}: {many} better, {len(rows) - many} the same", (1, better), xytext=(0, 4),
                   textcoords="offset points", fontsize=8)
     axes.set(yscale="log", xlabel="material, sorted", ylabel="(E₁ − E₂) / E₂", xlim=(0, len(rows) + 1),
-             title=f"What a second lobe gains (below 10⁻⁷: drawn there)")
+             title="What a second lobe gains (below 10⁻⁷: drawn there)")
     save(figure, out, "figure08")
 
 

@@ -26,7 +26,7 @@ class Experiments:
         self.programs = Programs(options.build, options.out)
         self.out = self.programs.out
         self.gap, self.seed, self.every = GAP, options.seed, options.every
-        self.note, self.command = options.note, options.command
+        self.note, self.command, self.cached = options.note, options.command, options.cached
         self.samples = self.programs.prepare(options.data)
         say(f"{len(self.samples)} materials")
         self.fits = self.all_fits()

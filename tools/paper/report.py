@@ -133,7 +133,7 @@ def write(e):
     sections = [
         BEGIN, "## The paper's experiments", "",
         f"Data: {e.note}", "",
-        f"Made by `{e.command}` on {machine()} (shared with other work; times are one run's, without reading files). "
+        f"Made by `{e.command}`{' after the same without --cached was interrupted,' if e.cached else ''} on {machine()} (shared with other work; times are one run's, without reading files). "
         "Figures 2–10 and their numbers are then in `build/paper/`. The paper's numbers are those of the genuine MERL "
         "database.", "",
         claims(e), "",
