@@ -361,6 +361,36 @@ BRDFFIT_API brdffit_status brdffit_fit(const brdffit_samples *samples, const brd
                                        void *workspace, size_t workspace_size,
                                        brdffit_result *result, brdffit_error *error);
 
+/* What brdffit_verify_socp() found. */
+typedef struct brdffit_reproof {
+    double level;      /* of E^2, as asked for */
+    int proven;        /* 1: every leaf of a covering of the domain is discarded, so no model has a smaller E^2 */
+    brdffit_stop stop; /* when not proven, why it ended: budget, memory, cancelled, resolution or rounding */
+    size_t boxes;      /* bounded */
+    size_t leaves;     /* of these, discarded with a proof: disjoint, and all of the domain when proven */
+    size_t solved;     /* cone programs solved by ECOS */
+    size_t refused;    /* of these, without a certificate that holds: the box was split instead */
+    size_t decided;    /* boxes that needed no cone program */
+    double unproven;   /* share of the domain (by ln s, each pair of lobes once) that is not discarded; 0 if proven */
+} brdffit_reproof;
+
+/*
+ * Prove again, by engine socp alone, that no model of this form has an E^2 below `level` (finite, > 0): the domain is
+ * split into boxes until ECOS's dual certificates, checked by our own arithmetic, discard each of them at that fixed
+ * level. No optimum is looked for and nothing is taken over from an earlier search. Meant for the lower_bound of a fit
+ * with engine moment, times 1 - margin: bounds of first order need boxes of a width that falls with the distance
+ * between level and optimum, so that their number grows like margin^-(lobes/2), and worse below that; what is proven
+ * is the level in *reproof and no more. A level above the true optimum is never proven.
+ *
+ * Options are those of the fit; engine is ignored, box_budget, sigma_resolution, socp_every_box and progress (whose
+ * e2 is the level) are obeyed; the gaps are not used. norm must be L2. The workspace is of brdffit_workspace_size()
+ * with options.engine = BRDFFIT_ENGINE_SOCP, and not the one that a result still points into. On failure *reproof is
+ * untouched; BRDFFIT_ERR_UNSUPPORTED without ECOS. Ending unproven is not a failure.
+ */
+BRDFFIT_API brdffit_status brdffit_verify_socp(const brdffit_samples *samples, const brdffit_options *options,
+                                               double level, void *workspace, size_t workspace_size,
+                                               brdffit_reproof *reproof, brdffit_error *error);
+
 /*
  * What brdffit_fit() would use: validates options and each sample like it (limits on the data as a whole, such as how
  * far b may span, are left to the fit), counts used samples and those skipped under each reason.

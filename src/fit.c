@@ -20,7 +20,7 @@ static uint32_t first_intervals(const brdffit_options *o)
 }
 
 /* Objective units to the caller's: weights and, without normalisation, one power of two for all channels. */
-static double objective_scale(const struct reduced *data, const brdffit_options *o)
+double brdffit_fit_scale(const struct reduced *data, const brdffit_options *o)
 {
     double value = o->normalise == BRDFFIT_NORMALISE_NONE ? data->channel_scale[0] : 1.0;
 
@@ -36,41 +36,38 @@ static int report_reduced(const struct fit *f, const brdffit_options *o)
     }
     p.phase = BRDFFIT_PHASE_REDUCED;
     p.boxes = 0;
-    p.e2 = f->data.total * objective_scale(&f->data, o);
+    p.e2 = f->data.total * brdffit_fit_scale(&f->data, o);
     p.lower_bound = 0.0;
     return o->progress(o->progress_user, &p) != 0;
 }
 
-static brdffit_status search(struct fit *f, const brdffit_options *o, struct search_result *found,
-                             brdffit_error *error)
+/* Everything up to the first box: domain, partition, engine, rules. The engine is to be finished after success. */
+brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct engine *engine,
+                                 struct search_rules *rules, brdffit_error *error)
 {
-    struct engine engine;
-    struct search_rules rules;
     brdffit_status status;
 
-    rules.cancelled = report_reduced(f, o);
+    rules->cancelled = report_reduced(f, o);
     brdffit_fit_prepare(f, o);
     brdffit_axis_start(&f->axis, f->theta_low, f->theta_high, first_intervals(o));
-    status = brdffit_fit_engine_start(f, o, &engine);
+    status = brdffit_fit_engine_start(f, o, engine);
     if (status != BRDFFIT_OK) {
         return brdffit_fail(error, status, status == BRDFFIT_ERR_UNSUPPORTED
                                                ? "norms l1 and linf and engine socp need ECOS, which this build is without"
                                                : "ECOS could not set up its solver");
     }
-    rules.relative_gap = o->relative_gap;
-    rules.absolute_gap = o->absolute_gap * f->data.total;
-    rules.sigma_resolution = o->sigma_resolution;
-    rules.box_budget = o->box_budget;
-    rules.progress = o->progress;
-    rules.progress_user = o->progress_user;
-    rules.progress_scale = objective_scale(&f->data, o);
-    brdffit_search(&f->axis, &f->heap, &engine, &rules, found);
+    rules->relative_gap = o->relative_gap;
+    rules->absolute_gap = o->absolute_gap * f->data.total;
+    rules->sigma_resolution = o->sigma_resolution;
+    rules->box_budget = o->box_budget;
+    rules->progress = o->progress;
+    rules->progress_user = o->progress_user;
+    rules->progress_scale = brdffit_fit_scale(&f->data, o);
     return BRDFFIT_OK;
 }
 
 static brdffit_status check_call(const brdffit_samples *samples, const brdffit_options *options,
-                                 const void *workspace, size_t size, const brdffit_result *result,
-                                 brdffit_error *error)
+                                 const void *workspace, size_t size, const void *result, brdffit_error *error)
 {
     brdffit_status status = brdffit_options_check(options, error);
     size_t needed;
@@ -94,38 +91,53 @@ static brdffit_status check_call(const brdffit_samples *samples, const brdffit_o
     return BRDFFIT_OK;
 }
 
+brdffit_status brdffit_fit_open(struct fit *f, const brdffit_samples *samples, const brdffit_options *options,
+                                void *workspace, size_t size, const void *result, brdffit_error *error)
+{
+    brdffit_status status = check_call(samples, options, workspace, size, result, error);
+    struct arena arena;
+    double total;
+
+    if (status != BRDFFIT_OK) {
+        return status;
+    }
+    brdffit_arena_init(&arena, workspace, size);
+    brdffit_fit_layout(f, &arena, samples->count, samples->channels, options);
+    status = brdffit_reduce(&f->data, samples, options, error);
+    if (status != BRDFFIT_OK) {
+        return status;
+    }
+    total = f->data.total * brdffit_fit_scale(&f->data, options);
+    if (f->data.total > 0.0 && !isnormal(total)) {
+        return brdffit_fail_at(error, "the weighted sum of squares is beyond a double: scale values or weights",
+                               BRDFFIT_NONE, BRDFFIT_NONE, total);
+    }
+    return BRDFFIT_OK;
+}
+
 brdffit_status brdffit_fit(const brdffit_samples *samples, const brdffit_options *options, void *workspace,
                            size_t workspace_size, brdffit_result *result, brdffit_error *error)
 {
     brdffit_options defaults;
     brdffit_status status;
-    struct arena arena;
-    struct fit fit;
     struct search_result found;
+    struct search_rules rules;
+    struct engine engine;
+    struct fit fit;
 
     if (!options) {
         brdffit_options_init(&defaults);
         options = &defaults;
     }
-    status = check_call(samples, options, workspace, workspace_size, result, error);
+    status = brdffit_fit_open(&fit, samples, options, workspace, workspace_size, result, error);
+    if (status == BRDFFIT_OK) {
+        status = brdffit_fit_start(&fit, options, &engine, &rules, error);
+    }
     if (status != BRDFFIT_OK) {
         return status;
     }
-    brdffit_arena_init(&arena, workspace, workspace_size);
-    brdffit_fit_layout(&fit, &arena, samples->count, samples->channels, options);
-    status = brdffit_reduce(&fit.data, samples, options, error);
-    if (status != BRDFFIT_OK) {
-        return status;
-    }
-    if (fit.data.total > 0.0 && !isnormal(fit.data.total * objective_scale(&fit.data, options))) {
-        return brdffit_fail_at(error, "the weighted sum of squares is beyond a double: scale values or weights",
-                               BRDFFIT_NONE, BRDFFIT_NONE, fit.data.total * objective_scale(&fit.data, options));
-    }
-    status = search(&fit, options, &found, error);
-    if (status != BRDFFIT_OK) {
-        return status;
-    }
-    brdffit_report(&fit, options, objective_scale(&fit.data, options), &found, result);
+    brdffit_search(&fit.axis, &fit.heap, &engine, &rules, &found);
+    brdffit_report(&fit, options, brdffit_fit_scale(&fit.data, options), &found, result);
     brdffit_fit_engine_finish(&fit, options);
     return BRDFFIT_OK;
 }

@@ -40,6 +40,17 @@ brdffit_status brdffit_options_check(const brdffit_options *options, brdffit_err
 void brdffit_fit_layout(struct fit *fit, struct arena *arena, size_t count, size_t channels,
                         const brdffit_options *options);
 
+/* Check the call, lay out and reduce. `result` is only looked at for NULL. */
+brdffit_status brdffit_fit_open(struct fit *fit, const brdffit_samples *samples, const brdffit_options *options,
+                                void *workspace, size_t size, const void *result, brdffit_error *error);
+
+/* Domain, first partition, engine and rules of a fit that is open. After success the engine is to be finished. */
+brdffit_status brdffit_fit_start(struct fit *fit, const brdffit_options *options, struct engine *engine,
+                                 struct search_rules *rules, brdffit_error *error);
+
+/* What turns an internal objective into the caller's units. */
+double brdffit_fit_scale(const struct reduced *data, const brdffit_options *options);
+
 /*
  * After the reduction: the lobe family, and the domain of theta = ln s, which is the options' range cut where the
  * lobe no longer changes (theory 4.1).

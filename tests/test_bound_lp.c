@@ -21,7 +21,7 @@
 #if defined(__SANITIZE_ADDRESS__)
 #define POINTS 2000L
 #else
-#define POINTS 20000L /* of each norm */
+#define POINTS 60000L /* of each norm */
 #endif
 #define POINTS_PER_BOX 20
 

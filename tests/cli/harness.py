@@ -2,6 +2,7 @@
 
 SPDX-License-Identifier: MIT
 """
+import functools
 import json
 import os
 import pathlib
@@ -37,6 +38,12 @@ def run(*arguments, program=BRDFFIT, cwd=None, stdin=None, env=None, **more):
     done.stdout = done.stdout.decode("utf-8")
     done.stderr = done.stderr.decode("utf-8", "replace")
     return done
+
+
+@functools.lru_cache(maxsize=None)
+def has_ecos():
+    """Whether this build can run engine socp (make ECOS=0 cannot)."""
+    return "ECOS" not in run("fit", "--quiet", "--engine", "socp", DATA / "mixed.csv").stderr
 
 
 def forbid(constant):

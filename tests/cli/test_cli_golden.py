@@ -3,6 +3,7 @@
     # why
     $ fit two.csv --lobes 2          the command without the program's name (shell syntax)
     env LC_ALL=C                     changes of the environment, optional
+    needs ecos                       skipped in a build without, optional
     mask numbers                     of any kind: where a search stopped early is the engine's business
     exit 0
     --- stdout
@@ -25,10 +26,16 @@ import harness
 
 CASES = sorted((harness.HERE / "cases").glob("*.txt"))
 NUMBER = r"[0-9](?:[0-9.,]*[0-9])?(?:e[-+]?[0-9]+)?"
-PARAGRAPH = "(?:Proven:|NOT proven:|Warning,|Search:|Skipped:|Format:|Used:)"
+PARAGRAPH = "(?:Proven:|NOT proven:|Verified:|NOT verified:|Warning,|Search:|Skipped:|Format:|Used:)"
 MASKS = [
     (r"(read|reduce|search)\s+" + NUMBER + r"\s+(ms|s)\b", r"\1 <time>"),
     (NUMBER + r"\s+box(es)?,\s+" + NUMBER + r"\s+nodes?", "<n> boxes, <n> nodes"),
+    (NUMBER + r"\s+box(es)?,\s+" + NUMBER + r"\s+programs?\s+by\s+ECOS\s+\(" + NUMBER + r"\s+refused\),\s+" + NUMBER +
+     r"\s+box(es)?\s+decided\s+without", "<n> boxes, <n> programs by ECOS (<n> refused), <n> boxes decided without"),
+    (r"below\s+" + NUMBER + r":\s+" + NUMBER + r"\s+box(es)?\s+discarded", "below <level>: <n> boxes discarded"),
+    (r"leave\s+" + NUMBER + r"\s%\sof\sthe\sdomain", "leave <share> of the domain"),
+    (NUMBER + r"\s+programs?\s+by\s+ECOS\s+\(" + NUMBER + r"\s+refused\),\s+" + NUMBER + r"\s(ms|s)\.",
+     "<n> programs by ECOS (<n> refused), <time>."),
     (r"below\s+" + NUMBER + r";", "below <bound>;"),
     (r"lies\s+between\s+" + NUMBER, "lies between <bound>"),
     (r"\s+\(" + NUMBER + r"\s%\sabove\)", " (<gap> above)"),
@@ -53,7 +60,7 @@ def mask(text, numbers=False):
 
 
 def parse(path):
-    case = {"comment": [], "env": {}, "mask": False, "stdout": "", "stderr": ""}
+    case = {"comment": [], "env": {}, "mask": False, "ecos": False, "stdout": "", "stderr": ""}
     text, _, rest = path.read_text(encoding="utf-8").partition("--- stdout\n")
     case["stdout"], _, case["stderr"] = rest.partition("--- stderr\n")
     for line in text.splitlines():
@@ -62,6 +69,8 @@ def parse(path):
         elif line.startswith("env "):
             name, _, value = line[4:].partition("=")
             case["env"][name] = value
+        elif line == "needs ecos":
+            case["ecos"] = True
         elif line == "mask numbers":
             case["mask"] = True
         elif line.startswith("exit "):
@@ -73,7 +82,7 @@ def parse(path):
 
 def write(path, case):
     head = [*case["comment"], "$ " + case["command"], *("env %s=%s" % e for e in case["env"].items()),
-            *(["mask numbers"] if case["mask"] else [])]
+            *(["needs ecos"] if case["ecos"] else []), *(["mask numbers"] if case["mask"] else [])]
     path.write_text("\n".join([*head, "exit %d" % case["exit"], "--- stdout\n"]) + case["stdout"] + "--- stderr\n" +
                     case["stderr"], encoding="utf-8")
 
@@ -81,6 +90,8 @@ def write(path, case):
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
 def test_golden(path, desk):
     case = parse(path)
+    if case["ecos"] and not harness.has_ecos():
+        pytest.skip("this build is without ECOS")
     done = harness.run(*shlex.split(case["command"]), cwd=desk, env=harness.environment(**case["env"]))
     got = dict(case, exit=done.returncode, stdout=mask(done.stdout, case["mask"]),
                stderr=mask(done.stderr))

@@ -76,6 +76,7 @@ void brdffit_cli_fitter_free(cli_fitter *fitter)
 {
     brdffit_io_free(fitter->directions);
     free(fitter->workspace);
+    free(fitter->verify_workspace);
     memset(fitter, 0, sizeof *fitter);
 }
 
@@ -105,14 +106,14 @@ static void fail(cli_job *job, brdffit_status status)
 
 /* 1 when the workspace holds `size` bytes. The old content is of no use, so
  * it is released first rather than copied. */
-static int grow(cli_fitter *fitter, size_t size)
+static int grow(void **workspace, size_t *capacity, size_t size)
 {
-    if (size <= fitter->capacity)
+    if (size <= *capacity)
         return 1;
-    free(fitter->workspace);
-    fitter->workspace = malloc(size);
-    fitter->capacity = fitter->workspace == NULL ? 0 : size;
-    return fitter->workspace != NULL;
+    free(*workspace);
+    *workspace = malloc(size);
+    *capacity = *workspace == NULL ? 0 : size;
+    return *workspace != NULL;
 }
 
 static void fit(cli_job *job, cli_fitter *fitter)
@@ -120,7 +121,7 @@ static void fit(cli_job *job, cli_fitter *fitter)
     const brdffit_samples *const samples = &job->table->samples;
     /* 0 for options or sizes that brdffit_fit() explains better. */
     const size_t size = brdffit_workspace_size(samples->count, samples->channels, &fitter->options);
-    if (!grow(fitter, size > 0 ? size : 1)) {
+    if (!grow(&fitter->workspace, &fitter->capacity, size > 0 ? size : 1)) {
         fail(job, BRDFFIT_ERR_MEMORY);
         return;
     }
@@ -134,11 +135,37 @@ static void fit(cli_job *job, cli_fitter *fitter)
     job->search_seconds = end - reduced;
 }
 
+/* A bound of 0 needs no proof. */
+static void verify(cli_job *job, cli_fitter *fitter)
+{
+    const brdffit_samples *const samples = &job->table->samples;
+    brdffit_options options = fitter->options;
+    options.engine = BRDFFIT_ENGINE_SOCP;
+    const double level = job->result.lower_bound * (1 - fitter->settings->verify_margin);
+    if (!(level > 0)) {
+        memset(&job->reproof, 0, sizeof job->reproof);
+        job->reproof.proven = job->verified = 1;
+        return;
+    }
+    const size_t size = brdffit_workspace_size(samples->count, samples->channels, &options);
+    if (!grow(&fitter->verify_workspace, &fitter->verify_capacity, size > 0 ? size : 1)) {
+        fail(job, BRDFFIT_ERR_MEMORY);
+        return;
+    }
+    const double start = brdffit_cli_clock();
+    job->status = brdffit_verify_socp(samples, &options, level, fitter->verify_workspace,
+                                      fitter->verify_capacity, &job->reproof, &job->error);
+    job->verify_seconds = brdffit_cli_clock() - start;
+    job->verified = job->status == BRDFFIT_OK;
+}
+
 void brdffit_cli_job_run(cli_job *job, cli_fitter *fitter, const char *path)
 {
     brdffit_cli_job_read(job, fitter, path);
     if (job->status == BRDFFIT_OK)
         fit(job, fitter);
+    if (job->status == BRDFFIT_OK && fitter->settings->verify != NULL)
+        verify(job, fitter);
 }
 
 void brdffit_cli_job_free(cli_job *job)
@@ -153,7 +180,8 @@ int brdffit_cli_job_exit(const cli_job *job)
         return CLI_EXIT_OPEN;
     if (job->status != BRDFFIT_OK)
         return brdffit_cli_status_exit(job->status);
-    return job->result.certified ? CLI_EXIT_CERTIFIED : CLI_EXIT_OPEN;
+    const int proven = job->result.certified && (!job->verified || job->reproof.proven);
+    return proven ? CLI_EXIT_CERTIFIED : CLI_EXIT_OPEN;
 }
 
 size_t brdffit_cli_entries(const brdffit_table *table)

@@ -16,6 +16,8 @@ typedef struct cli_fitter {
     brdffit_table *directions; /* of --merl-samples FILE; NULL otherwise */
     void *workspace;
     size_t capacity;
+    void *verify_workspace; /* of --verify: the result still points into the other one */
+    size_t verify_capacity;
     cli_progress *progress; /* or NULL */
     double reduced_at;      /* clock when the reduction was done; 0: not yet */
 } cli_fitter;
@@ -31,6 +33,9 @@ typedef struct cli_job {
     double read_seconds;
     double reduce_seconds;
     double search_seconds;
+    int verified; /* reproof is filled in: --verify */
+    brdffit_reproof reproof;
+    double verify_seconds;
 } cli_job;
 
 /* Load the directions that the settings name. 0, or the exit code of a

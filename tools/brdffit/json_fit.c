@@ -180,6 +180,46 @@ static void options(cli_json *json, const brdffit_options *o)
     brdffit_cli_json_number(json, "max_incidence", o->max_incidence);
 }
 
+/* What ECOS did; null when it was not used. */
+static void socp(cli_json *json, const brdffit_result *result)
+{
+    if (result->socp_solved + result->socp_decided == 0) {
+        brdffit_cli_json_null(json, "socp");
+        return;
+    }
+    brdffit_cli_json_open(json, "socp", '{');
+    brdffit_cli_json_count(json, "solved", result->socp_solved);
+    brdffit_cli_json_count(json, "refused", result->socp_refused);
+    brdffit_cli_json_count(json, "decided", result->socp_decided);
+    brdffit_cli_json_close(json, '}');
+}
+
+/* --verify; null without. */
+static void verification(cli_json *json, const cli_job *job)
+{
+    const brdffit_reproof *const r = &job->reproof;
+    if (!job->verified) {
+        brdffit_cli_json_null(json, "verify");
+        return;
+    }
+    brdffit_cli_json_open(json, "verify", '{');
+    brdffit_cli_json_string(json, "engine", "socp");
+    brdffit_cli_json_number(json, "level", r->level);
+    brdffit_cli_json_bool(json, "proven", r->proven);
+    brdffit_cli_json_number(json, "unproven", r->unproven);
+    if (r->proven)
+        brdffit_cli_json_null(json, "stop");
+    else
+        brdffit_cli_json_string(json, "stop", brdffit_stop_string(r->stop));
+    brdffit_cli_json_count(json, "boxes", r->boxes);
+    brdffit_cli_json_count(json, "leaves", r->leaves);
+    brdffit_cli_json_count(json, "solved", r->solved);
+    brdffit_cli_json_count(json, "refused", r->refused);
+    brdffit_cli_json_count(json, "decided", r->decided);
+    brdffit_cli_json_number(json, "seconds", job->verify_seconds);
+    brdffit_cli_json_close(json, '}');
+}
+
 static void result_members(cli_json *json, const cli_job *job, const cli_fitter *fitter)
 {
     const brdffit_result *const result = &job->result;
@@ -188,6 +228,8 @@ static void result_members(cli_json *json, const cli_job *job, const cli_fitter 
     brdffit_cli_json_skipped(json, result->samples_skipped, job->table);
     brdffit_cli_json_count(json, "boxes", result->boxes);
     brdffit_cli_json_count(json, "nodes", result->nodes);
+    socp(json, result);
+    verification(json, job);
     brdffit_cli_json_count(json, "distinct_c", result->distinct_c);
     brdffit_cli_json_string(json, "stop", brdffit_stop_string(result->stop));
     lobes(json, result);
@@ -213,6 +255,10 @@ void brdffit_cli_json_fit(cli_text *text, const cli_job *job, const cli_fitter *
     brdffit_cli_json_string(&json, "distribution",
                             brdffit_distribution_string(fitter->options.distribution));
     brdffit_cli_json_string(&json, "norm", brdffit_norm_string(fitter->options.norm));
+    if (fitter->options.norm == BRDFFIT_NORM_L2)
+        brdffit_cli_json_string(&json, "engine", brdffit_engine_string(fitter->options.engine));
+    else
+        brdffit_cli_json_null(&json, "engine");
     brdffit_cli_json_count(&json, "lobes", (size_t)fitter->options.lobes);
     if (fitted)
         result_members(&json, job, fitter);

@@ -75,6 +75,12 @@ void brdffit_cli_json_null(cli_json *json, const char *key)
     brdffit_cli_text_puts(json->text, "null");
 }
 
+void brdffit_cli_json_bool(cli_json *json, const char *key, int value)
+{
+    begin(json, key);
+    brdffit_cli_text_puts(json->text, value ? "true" : "false");
+}
+
 void brdffit_cli_json_numbers(cli_json *json, const char *key, const double *values, size_t count)
 {
     brdffit_cli_json_open(json, key, '[');

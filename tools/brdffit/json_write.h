@@ -20,6 +20,7 @@ void brdffit_cli_json_string(cli_json *json, const char *key, const char *value)
 void brdffit_cli_json_number(cli_json *json, const char *key, double value);
 void brdffit_cli_json_count(cli_json *json, const char *key, size_t value);
 void brdffit_cli_json_null(cli_json *json, const char *key);
+void brdffit_cli_json_bool(cli_json *json, const char *key, int value);
 
 /* `values` may be NULL when `count` is 0. */
 void brdffit_cli_json_numbers(cli_json *json, const char *key, const double *values, size_t count);

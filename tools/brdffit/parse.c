@@ -197,6 +197,8 @@ static void set_defaults(cli_settings *settings)
     settings->lobes = fit.lobes;
     settings->distribution = (int)fit.distribution;
     settings->norm = (int)fit.norm;
+    settings->engine = (int)fit.engine;
+    settings->verify_margin = 1e-3;
     settings->normalise = (int)fit.normalise;
     settings->sigma_min = fit.sigma_min;
     settings->sigma_max = fit.sigma_max;
@@ -260,6 +262,27 @@ static cli_parse check_ranges(const parser *p)
                        fit.exponent_max);
 }
 
+/* socp or socp=MARGIN, and only for what it can verify. */
+static cli_parse check_verify(const parser *p)
+{
+    cli_settings *s = p->settings;
+    if (s->verify == NULL)
+        return CLI_PARSED;
+    const int plain = strcmp(s->verify, "socp") == 0;
+    if (!plain && !(strncmp(s->verify, "socp=", 5) == 0 &&
+                    brdffit_cli_number(s->verify + 5, &s->verify_margin) &&
+                    s->verify_margin >= 0 && s->verify_margin < 1)) {
+        fprintf(stderr, "brdffit %s: --verify does not take '%s'; valid values: socp, or socp=X with X "
+                        "from 0 to below 1\n", p->command_name, s->verify);
+        return usage(p);
+    }
+    if (s->norm != BRDFFIT_NORM_L2) {
+        fprintf(stderr, "brdffit %s: --verify is for --norm l2\n", p->command_name);
+        return usage(p);
+    }
+    return CLI_PARSED;
+}
+
 /* What no single option can see. */
 static cli_parse check_together(const parser *p)
 {
@@ -288,7 +311,8 @@ static cli_parse check_together(const parser *p)
                 p->command_name);
         return usage(p);
     }
-    return check_output(p);
+    const cli_parse verify = check_verify(p);
+    return verify == CLI_PARSED ? check_output(p) : verify;
 }
 
 cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int argc, char **argv,

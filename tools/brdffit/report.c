@@ -152,14 +152,64 @@ static void add_stop(cli_text *text, brdffit_stop stop, const brdffit_options *o
         brdffit_cli_text_printf(text, "by %s", brdffit_stop_string(stop));
 }
 
+/* "32 nodes", or what ECOS did: "90 programs by ECOS (1 refused), 66 boxes decided without". */
+static void add_work(cli_text *text, const brdffit_result *result)
+{
+    if (result->socp_solved + result->socp_decided == 0) {
+        brdffit_cli_grouped(text, result->nodes);
+        brdffit_cli_text_printf(text, " node%s", result->nodes == 1 ? "" : "s");
+        return;
+    }
+    brdffit_cli_grouped(text, result->socp_solved);
+    brdffit_cli_text_printf(text, " program%s by ECOS (", result->socp_solved == 1 ? "" : "s");
+    brdffit_cli_grouped(text, result->socp_refused);
+    brdffit_cli_text_puts(text, " refused), ");
+    brdffit_cli_grouped(text, result->socp_decided);
+    brdffit_cli_text_printf(text, " box%s decided without", result->socp_decided == 1 ? "" : "es");
+}
+
+/* What --verify found; the level is rounded down, so that the claim stays true. */
+static void verification(cli_text *text, cli_style style, const cli_job *job)
+{
+    const brdffit_reproof *const r = &job->reproof;
+    cli_text words = {0};
+    if (!job->verified)
+        return;
+    brdffit_cli_text_printf(&words, r->proven ? "by engine socp alone, no E%s lies below "
+                                              : "engine socp alone could not prove that no E%s lies below ",
+                            brdffit_cli_glyph(style, CLI_SQUARED));
+    brdffit_cli_directed(&words, r->level, 6, 0);
+    brdffit_cli_text_puts(&words, ": ");
+    brdffit_cli_grouped(&words, r->leaves);
+    brdffit_cli_text_printf(&words, " box%s discarded ", r->leaves == 1 ? "" : "es");
+    if (r->proven)
+        brdffit_cli_text_puts(&words, "cover the whole domain");
+    else {
+        brdffit_cli_text_puts(&words, "leave ");
+        brdffit_cli_directed(&words, 100 * r->unproven, 2, 1);
+        brdffit_cli_text_printf(&words, "\t%% of the domain (stopped by %s)", brdffit_stop_string(r->stop));
+    }
+    brdffit_cli_text_puts(&words, ", ");
+    brdffit_cli_grouped(&words, r->solved);
+    brdffit_cli_text_puts(&words, " programs by ECOS (");
+    brdffit_cli_grouped(&words, r->refused);
+    brdffit_cli_text_puts(&words, " refused), ");
+    brdffit_cli_duration(&words, job->verify_seconds);
+    brdffit_cli_text_puts(&words, ".");
+    brdffit_cli_paragraph(text, style, r->proven ? CLI_GREEN : CLI_YELLOW,
+                          r->proven ? "Verified:" : "NOT verified:", brdffit_cli_text_string(&words));
+    text->failed |= words.failed;
+    brdffit_cli_text_free(&words);
+}
+
 static void effort(cli_text *text, cli_style style, const cli_job *job,
                    const brdffit_options *options)
 {
     cli_text words = {0};
     brdffit_cli_grouped(&words, job->result.boxes);
     brdffit_cli_text_printf(&words, " box%s, ", job->result.boxes == 1 ? "" : "es");
-    brdffit_cli_grouped(&words, job->result.nodes);
-    brdffit_cli_text_printf(&words, " node%s, stopped ", job->result.nodes == 1 ? "" : "s");
+    add_work(&words, &job->result);
+    brdffit_cli_text_puts(&words, ", stopped ");
     add_stop(&words, job->result.stop, options);
     brdffit_cli_text_puts(&words, "; read ");
     brdffit_cli_duration(&words, job->read_seconds);
@@ -182,6 +232,7 @@ void brdffit_cli_report_fit(cli_text *text, cli_style style, const cli_job *job,
     channel_table(text, style, job, &fitter->options);
     brdffit_cli_text_puts(text, "\n");
     brdffit_cli_certificate(text, style, result, &fitter->options);
+    verification(text, style, job);
     brdffit_cli_warnings(text, style, result, &fitter->options);
     effort(text, style, job, &fitter->options);
 }

@@ -9,6 +9,9 @@ static const cli_choice lobes[] = {{"1", 1, 0}, {"2", 2, 0}, {NULL, 0, 0}};
 const cli_choice brdffit_cli_norm_choices[] = {
     {"l2", BRDFFIT_NORM_L2, 0}, {"l1", BRDFFIT_NORM_L1, 0}, {"linf", BRDFFIT_NORM_LINF, 0}, {NULL, 0, 0}};
 
+static const cli_choice engines[] = {
+    {"moment", BRDFFIT_ENGINE_MOMENT, 0}, {"socp", BRDFFIT_ENGINE_SOCP, 0}, {NULL, 0, 0}};
+
 const cli_choice brdffit_cli_distribution_choices[] = {
     {"beckmann", BRDFFIT_BECKMANN, 0},
     {"ggx", BRDFFIT_GGX, 0},
@@ -48,6 +51,14 @@ const cli_option brdffit_cli_options[] = {
            "sigma; blinn-phong, ashikhmin-shirley or\nlafortune, with exponent n\n(default beckmann)"),
     CHOICE("norm", CLI_FIT, 0, norm, brdffit_cli_norm_choices, "l2|l1|linf",
            "minimise the sum of squared or of absolute\nresiduals, or the largest one (default l2)"),
+    CHOICE("engine", CLI_FIT, 0, engine, engines, "moment|socp",
+           "how norm l2 is proven: bounds of second order,\nor the paper's cone programs by ECOS\n"
+           "(default moment)"),
+    PLAIN("socp-every-box", 0, CLI_FLAG, CLI_FIT, socp_every_box, NULL,
+          "send every box to ECOS as the paper does, also\nthose that a closed form decides"),
+    PLAIN("verify", 0, CLI_STRING, CLI_FIT, verify, "socp[=X]",
+          "prove again, by engine socp alone, that nothing\nlies below the bound less this fraction of it\n"
+          "(default 1e-3)"),
     NUMBER("sigma-min", CLI_NUMBER, sigma_min, 1e-12, 0, 1e3, "X",
            "smallest roughness searched (default 1e-12)"),
     NUMBER("sigma-max", CLI_NUMBER, sigma_max, 1e-12, 0, 1e3, "X",
@@ -102,6 +113,8 @@ void brdffit_cli_fit_options(const cli_settings *settings, brdffit_options *opti
     options->lobes = settings->lobes;
     options->distribution = (brdffit_distribution)settings->distribution;
     options->norm = (brdffit_norm)settings->norm;
+    options->engine = (brdffit_engine)settings->engine;
+    options->socp_every_box = settings->socp_every_box;
     options->normalise = (brdffit_normalise)settings->normalise;
     options->sigma_min = settings->sigma_min;
     options->sigma_max = settings->sigma_max;

@@ -22,6 +22,10 @@ typedef struct cli_settings {
     int lobes;
     int distribution;
     int norm;
+    int engine;
+    int socp_every_box;
+    const char *verify;   /* as given: socp or socp=MARGIN; NULL: do not */
+    double verify_margin; /* what --verify leaves of the bound */
     int normalise;
     double sigma_min;
     double sigma_max;

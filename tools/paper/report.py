@@ -87,7 +87,7 @@ def distribution_rows(e):
                      f"RMS error × {a.geometric_mean(ratio.values()):.4f} (geometric mean), {min(ratio.values()):.3f} to "
                      f"{max(ratio.values()):.3f}; within 5 % for {sum(abs(r - 1) <= 0.05 for r in ratio.values())} of "
                      f"{len(ratio)}; {seconds(fit_time(other))} for all"])
-    rows.append(["L∞ instead of L2", "no meaningful difference", "not run: the library has no L∞ norm yet"])
+    rows.append(["L∞ instead of L2", "no meaningful difference", "not compared here: these experiments fit L2 only"])
     return rows
 
 
@@ -133,7 +133,10 @@ def write(e):
     sections = [
         BEGIN, "## The paper's experiments", "",
         f"Data: {e.note}", "",
-        f"Made by `{e.command}`{' after the same without --cached was interrupted,' if e.cached else ''} on {machine()} (shared with other work; times are one run's, without reading files). "
+        f"Made by `{e.command}` on {machine()} (shared with other work; times are one run's, without reading files; "
+        "those of brute force and local solvers are of the run that filled their cache). " +
+        ("--cached: the local solvers were not run then; their rows are of earlier runs of `build/peers` "
+         "with these settings and this seed. " if e.cached else "") +
         "Figures 2–10 and their numbers are then in `build/paper/`. The paper's numbers are those of the genuine MERL "
         "database.", "",
         claims(e), "",
