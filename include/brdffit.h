@@ -241,8 +241,8 @@ typedef struct brdffit_options {
     brdffit_norm norm;
     brdffit_normalise normalise;
     brdffit_engine engine;   /* of norm L2; the others have their own. Default moment */
-    int socp_every_box;      /* engine socp, norms L1 and LINF: 1 sends every box to ECOS as the paper does; 0 (default) decides the
-                                ones that a closed form can */
+    int socp_every_box;      /* engine socp, norms L1 and LINF: 1 sends every box to ECOS as the paper does; 0
+                                (default) decides the ones that it can without */
     double sigma_min;        /* > 0, >= 1e-12. Default 1e-12 */
     double sigma_max;        /* >= sigma_min, <= 1e3. Default 6 */
     double exponent_min;     /* these two instead for distributions whose parameter is the exponent n: */
@@ -319,7 +319,8 @@ typedef struct brdffit_result {
     brdffit_lobe lobe[BRDFFIT_MAX_LOBES];
     const double *channel_scale; /* K divisors, > 0 */
     const double *rms;           /* K root mean square (weighted) radiance residuals, data's units */
-    double rms_total;            /* sqrt(sum w r^2 / (K sum w)) over all, whatever the norm; units that were minimised */
+    double rms_total;            /* sqrt(sum w r^2 / (K sum w)) over all channels, whatever the norm; units that were
+                                    minimised */
     double e2;                   /* E^2 at the optimum, evaluated on the samples themselves */
     double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
     double gap;                  /* e2 - lower_bound, >= 0 */
@@ -385,7 +386,7 @@ typedef struct brdffit_reproof {
  * Options are those of the fit; engine is ignored, box_budget, sigma_resolution, socp_every_box and progress (whose
  * e2 is the level) are obeyed; the gaps are not used. norm must be L2. The workspace is of brdffit_workspace_size()
  * with options.engine = BRDFFIT_ENGINE_SOCP, and not the one that a result still points into. On failure *reproof is
- * untouched; BRDFFIT_ERR_UNSUPPORTED without ECOS. Ending unproven is not a failure.
+ * untouched: BRDFFIT_ERR_VALUE for the level, BRDFFIT_ERR_UNSUPPORTED without ECOS. Ending unproven is not a failure.
  */
 BRDFFIT_API brdffit_status brdffit_verify_socp(const brdffit_samples *samples, const brdffit_options *options,
                                                double level, void *workspace, size_t workspace_size,

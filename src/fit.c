@@ -24,7 +24,10 @@ double brdffit_fit_scale(const struct reduced *data, const brdffit_options *o)
 {
     double value = o->normalise == BRDFFIT_NORMALISE_NONE ? data->channel_scale[0] : 1.0;
 
-    return o->norm == BRDFFIT_NORM_L2 ? data->scale_w * value * value : o->norm == BRDFFIT_NORM_L1 ? data->scale_w * value : value;
+    if (o->norm == BRDFFIT_NORM_LINF) {
+        return value; /* weights do not multiply the largest residual */
+    }
+    return o->norm == BRDFFIT_NORM_L1 ? data->scale_w * value : data->scale_w * value * value;
 }
 
 static int report_reduced(const struct fit *f, const brdffit_options *o)

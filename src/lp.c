@@ -1,9 +1,9 @@
 /*
  * Linear programs of columns with an allowance: see lp.h. Layer 2. SPDX-License-Identifier: MIT
  *
- * Variables: z, then t (a row each in L1, a single one in L-infinity). Rows of h - G x >= 0: z >= 0; t >= 0; the upper
- * ones, t + U z - data >= 0; the lower ones, t - L z + data >= 0. With multipliers p (upper) and q (lower) >= 0 the dual
- * is max data.(p - q) subject to L'q - U'p >= 0 and, for each t, the sum of its p + q at most 1. What ECOS returns obeys
+ * Variables: z, then t (a row each in L1, a single one in L-infinity). Rows of h - G x >= 0: z >= 0; t >= 0; the
+ * upper ones, t + U z - data >= 0; the lower ones, t - L z + data >= 0. With multipliers p (upper) and q (lower) >= 0
+ * the dual is max data.(p - q) subject to L'q - U'p >= 0 and, for each t, the sum of its p + q at most 1. What ECOS returns obeys
  * that to 1e-8 or so. The sums are brought to 1 exactly by dividing, and the multipliers of z >= 0 and t >= 0 are then
  * known; only the entries of L'q - U'p that stay negative cost something, at the limit of their z.
  */

@@ -86,7 +86,8 @@ static struct figures figures_of(const brdffit_samples *s, brdffit_norm norm, co
             for (p = 0; p < r->model.lobes; p++) {
                 long double inverse = 1.0L / ((long double)r->model.sigma[p] * r->model.sigma[p]);
 
-                rest -= r->model.y[k * (size_t)r->model.lobes + (size_t)p] * (s->b[i] * inverse * expl(-s->c[i] * inverse));
+                rest -= r->model.y[k * (size_t)r->model.lobes + (size_t)p] *
+                        (s->b[i] * inverse * expl(-s->c[i] * inverse));
             }
             value = fabsl(value / r->channel_scale[k]);
             rest = fabsl(rest / r->channel_scale[k]);

@@ -25,6 +25,15 @@ def fit(path, *options):
     return line
 
 
+@pytest.fixture(scope="module", autouse=True)
+def needs_ecos(tmp_path_factory):
+    path = tmp_path_factory.mktemp("probe") / "one.csv"
+    path.write_text("a,b,c,red\n0.3,0.5,0.1,1\n")
+    done = subprocess.run([os.path.abspath(os.path.join(BUILD, "brdffit")), "fit", "--norm", "l1", path], capture_output=True)
+    if b"ECOS" in done.stderr:
+        pytest.skip("this build is without ECOS")
+
+
 def highs(norm, columns, data, weights):
     """min |data - columns z| over z >= 0."""
     rows, count = columns.shape

@@ -33,7 +33,8 @@ static struct problem make(uint64_t seed)
     p.columns = 1 + (int)(case_next(&s) % 3);
     for (i = 0; i < p.rows; i++) {
         for (j = 0; j < p.columns; j++) {
-            p.column[j][i] = kind == 1 ? floor(3.0 * case_uniform(&s)) / 2.0 : case_uniform(&s) * exp(-4.0 * j * case_uniform(&s));
+            p.column[j][i] = kind == 1 ? floor(3.0 * case_uniform(&s)) / 2.0
+                                       : case_uniform(&s) * exp(-4.0 * j * case_uniform(&s));
             p.data[i] += p.column[j][i] * (kind == 5 && j ? 0.0 : 0.3 + j);
         }
         p.data[i] += kind == 2 ? 0.0 : 0.5 * case_signed(&s); /* 2: an exact fit */

@@ -14,7 +14,7 @@ import model
 
 REQUIRED = {
     "schema": str, "file": str, "status": str, "distribution": str, "norm": str, "lobes": int, "sigma": list, "x": list,
-    "y": list, "channel_scale": list, "e2": (int, float), "lower_bound": (int, float), "gap": (int, float), "rms": list,
+    "y": list, "channel_scale": list, "e2": (int, float), "objective": (int, float), "lower_bound": (int, float), "gap": (int, float), "rms": list,
     "samples_used": int, "samples_skipped": dict, "boxes": int, "nodes": int, "seconds": dict,
 }
 SKIPS = {"zero_weight", "light_below_horizon", "view_below_horizon", "incidence", "masked", "absent", "cell_below_horizon"}
@@ -37,7 +37,8 @@ def check_contract(line, lobes):
     channels = len(line["channels"])
     assert line["schema"] == "brdffit.fit/1"
     assert line["lobes"] == lobes
-    assert line["norm"] == "l2"
+    assert line["norm"] in ("l2", "l1", "linf")
+    assert line["objective"] == line["e2"]
     for name in ("sigma", "weight", "effective_samples", "sigma_interval", "warnings"):
         assert len(line[name]) == lobes, name
     for name in ("x", "y", "channel_scale", "rms"):
@@ -63,6 +64,18 @@ def check_contract(line, lobes):
 
 FILES = ["two_lobe_satin.csv", "two_lobe_exact.csv", "ggx_metal.csv", "matte.csv", "two_lobe_outliers.csv", "mis.csv",
          "mixed.csv", "single.csv", "zero.csv", "vectors.csv", "two_lobe_table.binary"]
+
+
+@pytest.mark.parametrize("norm", ["l1", "linf"])
+@pytest.mark.parametrize("name", [name for name in FILES if not name.endswith(".binary")])
+def test_every_line_of_a_norm_is_true(desk, name, norm):
+    if not harness.has_ecos():
+        pytest.skip("this build is without ECOS")
+    for options in (["--lobes", "1", "--distribution", "ggx"], ["--lobes", "2", "--gap", "0.01"]):
+        (line,) = harness.fit(name, "--norm", norm, *options, cwd=desk)
+        check_contract(line, int(options[1]))
+        assert line["status"] == "certified" and line["norm"] == norm
+        model.check_line(line, desk / name)
 
 
 @pytest.mark.parametrize("lobes", [1, 2])

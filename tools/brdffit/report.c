@@ -168,36 +168,45 @@ static void add_work(cli_text *text, const brdffit_result *result)
     brdffit_cli_text_printf(text, " box%s decided without", result->socp_decided == 1 ? "" : "es");
 }
 
-/* What --verify found; the level is rounded down, so that the claim stays true. */
-static void verification(cli_text *text, cli_style style, const cli_job *job)
+/* What engine socp did at the level of --verify, which is rounded down, so that the claim stays true. */
+static void add_reproof(cli_text *text, cli_style style, const cli_job *job)
 {
     const brdffit_reproof *const r = &job->reproof;
+    brdffit_cli_text_printf(text, r->proven ? "by engine socp alone, no E%s lies below "
+                                            : "engine socp alone could not prove that no E%s lies below ",
+                            brdffit_cli_glyph(style, CLI_SQUARED));
+    brdffit_cli_directed(text, r->level, 6, 0);
+    brdffit_cli_text_puts(text, ": ");
+    brdffit_cli_grouped(text, r->leaves);
+    brdffit_cli_text_printf(text, " box%s discarded ", r->leaves == 1 ? "" : "es");
+    if (r->proven)
+        brdffit_cli_text_puts(text, "cover the whole domain");
+    else {
+        brdffit_cli_text_puts(text, "leave ");
+        brdffit_cli_directed(text, 100 * r->unproven, 2, 1);
+        brdffit_cli_text_printf(text, "\t%% of the domain (stopped by %s)", brdffit_stop_string(r->stop));
+    }
+    brdffit_cli_text_puts(text, ", ");
+    brdffit_cli_grouped(text, r->solved);
+    brdffit_cli_text_printf(text, " program%s by ECOS (", r->solved == 1 ? "" : "s");
+    brdffit_cli_grouped(text, r->refused);
+    brdffit_cli_text_puts(text, " refused), ");
+    brdffit_cli_duration(text, job->verify_seconds);
+    brdffit_cli_text_puts(text, ".");
+}
+
+static void verification(cli_text *text, cli_style style, const cli_job *job)
+{
+    const int proven = job->reproof.proven;
     cli_text words = {0};
     if (!job->verified)
         return;
-    brdffit_cli_text_printf(&words, r->proven ? "by engine socp alone, no E%s lies below "
-                                              : "engine socp alone could not prove that no E%s lies below ",
-                            brdffit_cli_glyph(style, CLI_SQUARED));
-    brdffit_cli_directed(&words, r->level, 6, 0);
-    brdffit_cli_text_puts(&words, ": ");
-    brdffit_cli_grouped(&words, r->leaves);
-    brdffit_cli_text_printf(&words, " box%s discarded ", r->leaves == 1 ? "" : "es");
-    if (r->proven)
-        brdffit_cli_text_puts(&words, "cover the whole domain");
-    else {
-        brdffit_cli_text_puts(&words, "leave ");
-        brdffit_cli_directed(&words, 100 * r->unproven, 2, 1);
-        brdffit_cli_text_printf(&words, "\t%% of the domain (stopped by %s)", brdffit_stop_string(r->stop));
-    }
-    brdffit_cli_text_puts(&words, ", ");
-    brdffit_cli_grouped(&words, r->solved);
-    brdffit_cli_text_puts(&words, " programs by ECOS (");
-    brdffit_cli_grouped(&words, r->refused);
-    brdffit_cli_text_puts(&words, " refused), ");
-    brdffit_cli_duration(&words, job->verify_seconds);
-    brdffit_cli_text_puts(&words, ".");
-    brdffit_cli_paragraph(text, style, r->proven ? CLI_GREEN : CLI_YELLOW,
-                          r->proven ? "Verified:" : "NOT verified:", brdffit_cli_text_string(&words));
+    if (job->reproof.level > 0)
+        add_reproof(&words, style, job);
+    else
+        brdffit_cli_text_puts(&words, "the bound is 0, which needs no proof.");
+    brdffit_cli_paragraph(text, style, proven ? CLI_GREEN : CLI_YELLOW,
+                          proven ? "Verified:" : "NOT verified:", brdffit_cli_text_string(&words));
     text->failed |= words.failed;
     brdffit_cli_text_free(&words);
 }
