@@ -142,6 +142,45 @@ static double bound_of(struct attacked *a, const struct box *sides, int way, uin
     return box.bound;
 }
 
+/* Coefficients (less those at the centre) of an optimum anywhere in the box are within the certificate's limits. */
+static void check_limits(struct attacked *a, double range[2][2], uint64_t *s)
+{
+    const struct bound_socp *engine = &a->fit.socp;
+    struct varpro *v = &a->fit.varpro;
+    double centre[CASE_CHANNELS][NNLS_COLUMNS], norm[NNLS_COLUMNS];
+    struct varpro_value value;
+    struct point at;
+    size_t k;
+    int i, j, p, group = 1 + a->c.lobes;
+
+    for (i = 0; i < 4; i++) {
+        for (p = 0; p < a->c.lobes; p++) {
+            double r = i == 0 ? 0.5 : case_uniform(s);
+
+            at.theta[p] = i == 1 ? range[p][1] : (1.0 - r) * range[p][0] + r * range[p][1];
+        }
+        brdffit_varpro_evaluate(v, &at, 0, &value);
+        for (k = 0; k < a->c.channels; k++) {
+            for (j = 0; j < group; j++) {
+                size_t column = 1 + k * (size_t)group + (size_t)j;
+                double here = v->nnls.norm[j] * v->nnls.scale[j], z = v->answer[k].unit[j] * v->answer[k].data_scale;
+                double tolerance = 1e-9 * sqrt(a->fit.data.total), most;
+
+                if (i == 0) {
+                    norm[j] = here;
+                    centre[k][j] = z;
+                    continue;
+                }
+                z = here > 0.0 ? z * (norm[j] / here) : 0.0;
+                most = engine->upper[column];
+                assert_true(z - centre[k][j] <= most * (1.0 + 1e-12) + tolerance);
+                assert_true(z - centre[k][j] >= engine->lower[column] - tolerance);
+                assert_true(fabs(centre[k][j] + engine->lower[column]) <= tolerance);
+            }
+        }
+    }
+}
+
 static void attack(struct attacked *a, double range[2][2], uint64_t *s, struct tally *tally)
 {
     int same = range[0][0] == range[1][0] && range[0][1] == range[1][1], i, p, way;
@@ -155,6 +194,9 @@ static void attack(struct attacked *a, double range[2][2], uint64_t *s, struct t
     }
     for (way = 0; way < 3; way++) {
         bound = fmax(bound, bound_of(a, &box, way, s, tally));
+        if (way == 0) {
+            check_limits(a, range, s);
+        }
     }
     for (i = 0; i < POINTS_PER_BOX; i++) {
         double theta[2];
