@@ -126,7 +126,7 @@ static int time_fit(const struct settings *s, const char *file, const brdffit_sa
 /* Start the brute force on every file; its JSON lines come out of the stream. */
 static FILE *start_brute(const struct settings *s, int lobes, pid_t *child)
 {
-    char step[16], number[4];
+    char step[16], number[16];
     char **arguments = calloc((size_t)s->files + 9, sizeof *arguments);
     int ends[2], n = 0;
 
