@@ -243,3 +243,25 @@ def test_info(desk):
     for line, told in zip(harness.lines(fitted.stdout), (satin, table, mixed, abc)):
         for name in ("samples_used", "samples_skipped", "channels", "quantity", "format", "max_incidence"):
             assert line[name] == told[name]
+
+
+def test_engine_and_verify_are_told(desk):
+    """Which engine, what ECOS did, and what was proven again; null where it was not asked for."""
+    if not harness.has_ecos():
+        pytest.skip("this build is without ECOS")
+    name = "two_lobe_satin.csv"
+    moment, = harness.fit(name, cwd=desk)
+    assert (moment["engine"], moment["socp"], moment["verify"]) == ("moment", None, None)
+    socp, = harness.fit("--engine", "socp", "--verify", "socp=0.01", name, cwd=desk)
+    assert socp["engine"] == "socp" and set(socp["socp"]) == {"solved", "refused", "decided"}
+    assert socp["socp"]["solved"] + socp["socp"]["decided"] == socp["boxes"]
+    assert socp["e2"] == pytest.approx(moment["e2"], rel=1e-6)
+    verify = socp["verify"]
+    assert verify["engine"] == "socp" and verify["proven"] is True and verify["stop"] is None
+    assert verify["level"] == pytest.approx(0.99 * socp["lower_bound"], rel=1e-12)
+    every, = harness.fit("--engine", "socp", "--socp-every-box", "--gap", "0.01", name, cwd=desk)
+    assert every["socp"]["decided"] == 0 and every["socp"]["solved"] == every["boxes"]
+    # No level at the bound itself can be had for a few boxes: open, and how much is left.
+    opened, = harness.fit("--verify", "socp=0", "--gap", "1e-6", "--box-budget", "200", name, cwd=desk, expect=4)
+    assert opened["verify"]["proven"] is False and opened["verify"]["stop"] == "budget"
+    assert 0 < opened["verify"]["unproven"] < 1
