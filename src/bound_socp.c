@@ -36,7 +36,7 @@ static size_t coefficients(size_t channels, int lobes)
 
 void brdffit_bound_socp_layout(struct bound_socp *e, struct arena *arena, size_t count, size_t channels, int lobes)
 {
-    size_t n = 1 + coefficients(channels, lobes), rows = 2 * n, entries = 1 + (n - 1) * (1 + n), i;
+    size_t n = 1 + coefficients(channels, lobes), rows = 2 * n, entries = 1 + (n - 1) * (size_t)(3 + lobes), i;
 
     for (i = 0; i < 3; i++) {
         e->shape[i] = ARENA_DOUBLES(arena, PADDED(count));
@@ -53,20 +53,23 @@ void brdffit_bound_socp_layout(struct bound_socp *e, struct arena *arena, size_t
 }
 
 /*
- * Pattern. Rows: n - 1 linear ones (z >= 0), then the cone: r; and R z - t of all channels with the constant, turned
- * by reflect(). Column 0 is r; the others have their linear row and all rows of the cone but the first.
+ * Pattern. Rows: n - 1 linear ones (z >= 0), then the cone: r; R z - t of each channel; the constant. Column 0 is r;
+ * column of coefficient j of channel k has its linear row and rows 0 .. j of its channel's triangle.
  */
 static void make_pattern(struct bound_socp *e)
 {
-    size_t n = 1 + coefficients(e->varpro->data->channels, e->varpro->lobes), entry = 0, j, i;
+    size_t group = (size_t)(1 + e->varpro->lobes), n = 1 + coefficients(e->varpro->data->channels, e->varpro->lobes);
+    size_t entry = 0, j, i;
 
     e->column[0] = 0;
     e->row[entry++] = n - 1;
     e->column[1] = entry;
     for (j = 0; j + 1 < n; j++) {
+        size_t first = n + j / group * group;
+
         e->row[entry++] = j;
-        for (i = 0; i < n; i++) {
-            e->row[entry++] = n + i;
+        for (i = 0; i <= j % group; i++) {
+            e->row[entry++] = first + i;
         }
         e->column[j + 2] = entry;
     }
@@ -194,25 +197,6 @@ static void open_view(struct bound_socp *e, const struct box *box, struct view *
     view->rounding += 8.0 * TOL_UNIT * ((double)v->data->used + TOL_GAIN) * limits;
 }
 
-/*
- * The reflection that exchanges the last axis with the diagonal; norms stay, so the program is the same. Without it
- * the constant has a row of the cone to itself where G is zero, and ECOS then fails every now and then.
- */
-static void reflect(double *v, size_t n)
-{
-    double root = sqrt((double)n), sum = 0.0, part;
-    size_t i;
-
-    for (i = 0; i + 1 < n; i++) {
-        sum += v[i];
-    }
-    part = (v[n - 1] - sum / (root - 1.0)) / root;
-    for (i = 0; i + 1 < n; i++) {
-        v[i] += part;
-    }
-    v[n - 1] = (v[n - 1] + sum) / root;
-}
-
 /* Channel k's part of the right-hand side: what the optimum at the centre leaves of the data within the span of the
  * columns, and its square outside. */
 static double project(struct bound_socp *e, size_t k, double *left)
@@ -249,22 +233,20 @@ static void fill_program(struct bound_socp *e, const struct view *view)
 {
     const struct varpro *v = e->varpro;
     const struct reduced *data = v->data;
-    size_t group = (size_t)(1 + v->lobes), n = e->program.variables, i, j, k;
+    size_t group = (size_t)(1 + v->lobes), n = e->program.variables, entry = 0, i, j, k;
     double outside = 0.0, reach = sqrt(data->total);
 
-    e->g[0] = -1.0;
+    e->g[entry++] = -1.0;
     e->c[0] = 1.0;
     for (j = 0; j + 1 < n; j++) {
         const struct nnls_answer *answer = &v->answer[j / group];
         double norm = sqrt(data->ii[j / group]), z = answer->unit[j % group] * answer->data_scale;
-        double *column = e->g + 1 + j * (1 + n);
         double most = j % group ? norm * view->lobe[j % group - 1].ratio : norm;
 
-        column[0] = -1.0;
-        for (i = 0; i < n; i++) {
-            column[1 + i] = i / group == j / group && i % group <= j % group ? v->nnls.r[i % group][j % group] : 0.0;
+        e->g[entry++] = -1.0;
+        for (i = 0; i <= j % group; i++) {
+            e->g[entry++] = v->nnls.r[i][j % group];
         }
-        reflect(column + 1, n);
         e->h[j] = z;
         e->c[1 + j] = j % group ? -view->lobe[j % group - 1].size : 0.0;
         e->lower[1 + j] = -z;
@@ -276,7 +258,6 @@ static void fill_program(struct bound_socp *e, const struct view *view)
         outside += project(e, k, e->h + n + k * group);
     }
     e->h[2 * n - 1] = sqrt(outside);
-    reflect(e->h + n, n);
     e->lower[0] = 0.0;
     e->upper[0] = 2.0 * reach;
 }
