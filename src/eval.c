@@ -92,6 +92,7 @@ brdffit_status brdffit_inspect(const brdffit_samples *samples, const brdffit_opt
     brdffit_options defaults;
     brdffit_status status;
     size_t counted = 0, reasons[BRDFFIT_SKIP_COUNT] = {0}, i, k;
+    double min_cosine;
 
     if (!options) {
         brdffit_options_init(&defaults);
@@ -104,11 +105,11 @@ brdffit_status brdffit_inspect(const brdffit_samples *samples, const brdffit_opt
     if (status != BRDFFIT_OK) {
         return status;
     }
+    min_cosine = brdffit_geometry_min_cosine(options->max_incidence);
     for (i = 0; i < samples->count; i++) {
         struct geometry g;
-        brdffit_skip skip = brdffit_geometry_sample(samples, options->distribution,
-                                                    brdffit_geometry_min_cosine(options->max_incidence), i, &g,
-                                                    &status, error);
+        brdffit_skip skip =
+            brdffit_geometry_sample(samples, options->distribution, min_cosine, i, &g, &status, error);
 
         if (status != BRDFFIT_OK) {
             return status;
