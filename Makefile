@@ -197,11 +197,28 @@ $(SOCP_WHOLE): $(SOCP) $(ECOS_OBJECTS)
 	    $(OBJCOPY) --wildcard --keep-global-symbol='brdffit_*' $@.tmp $@
 	@rm -f $@.tmp
 
+# ---- Instruction sets ---------------------------------------------------------
+
+# Files named *_avx2.c and *_avx512.c hold the inner loops again for those; src/isa.c chooses at run time. A compiler
+# that knows neither (another processor's) builds them empty.
+accepts = $(shell echo 'int x;' | $(CC) $(1) -x c -c -o /dev/null - 2> /dev/null && echo yes)
+ISA_FLAGS :=
+AVX2_FLAGS := -mavx2
+AVX512_FLAGS := -mavx512f -mavx512dq -mavx512vl
+ifneq ($(call accepts,$(AVX2_FLAGS)),)
+ISA_FLAGS += -DBRDFFIT_HAVE_AVX2
+$(OBJ)/src/%_avx2.o: EXTRA = $(AVX2_FLAGS)
+endif
+ifneq ($(call accepts,$(AVX512_FLAGS)),)
+ISA_FLAGS += -DBRDFFIT_HAVE_AVX512
+$(OBJ)/src/%_avx512.o: EXTRA = $(AVX512_FLAGS)
+endif
+
 # ---- Compile -----------------------------------------------------------------
 
 $(OBJ)/src/%.o: src/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 	@mkdir -p $(@D)
-	$(call say,CC,$<)$(COMPILE) -Isrc $(EXTRA) -c $< -o $@
+	$(call say,CC,$<)$(COMPILE) -Isrc $(ISA_FLAGS) $(EXTRA) -c $< -o $@
 
 # Tools see the public headers only.
 $(OBJ)/tools/%.o: tools/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok

@@ -212,6 +212,21 @@ typedef enum brdffit_engine {
 /* Constant name: "moment", "socp". */
 BRDFFIT_API const char *brdffit_engine_string(brdffit_engine engine);
 
+/* Instruction sets that inner loops are compiled for; the results have the same bits with each. */
+typedef enum brdffit_isa {
+    BRDFFIT_ISA_AUTO = 0, /* the best that the build and this processor have */
+    BRDFFIT_ISA_BASE,     /* what the build targets: SSE2 on x86-64, NEON on AArch64 */
+    BRDFFIT_ISA_AVX2,
+    BRDFFIT_ISA_AVX512,   /* F, DQ, VL */
+    BRDFFIT_ISA_COUNT
+} brdffit_isa;
+
+/* Constant name: "auto", "base", "avx2", "avx512". */
+BRDFFIT_API const char *brdffit_isa_string(brdffit_isa isa);
+
+/* 1 when this build on this processor can run `isa`, else 0. AUTO and BASE always can. */
+BRDFFIT_API int brdffit_isa_supported(brdffit_isa isa);
+
 typedef enum brdffit_normalise {
     BRDFFIT_NORMALISE_MAX = 0, /* divide each channel by its largest used radiance (the paper's) */
     BRDFFIT_NORMALISE_NONE     /* minimise in the data's own units */
@@ -254,6 +269,7 @@ typedef struct brdffit_options {
                                 >= 0. Default 0: off */
     size_t box_budget;       /* most boxes to bound; >= 1. Default 1000000. Sizes the workspace */
     double max_incidence;    /* degrees, (0, 90]; 90 or more uses all above the horizon. Default 60 */
+    brdffit_isa isa;         /* Default AUTO. One that cannot run here is BRDFFIT_ERR_UNSUPPORTED */
     brdffit_progress_fn progress; /* or NULL */
     void *progress_user;
 } brdffit_options;

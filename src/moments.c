@@ -8,10 +8,9 @@
 
 #include "tolerance.h"
 
-/* Fixed order of the last additions of every lane sum. */
-static double lanes_total(const double *lane)
+static double array_total(const double *lane)
 {
-    return ((lane[0] + lane[4]) + (lane[2] + lane[6])) + ((lane[1] + lane[5]) + (lane[3] + lane[7]));
+    return lanes_total(lanes_load(lane));
 }
 
 /* The sum of v[0] .. v[n - 1], n a multiple of LANES. */
@@ -25,7 +24,7 @@ static double sum1(const double *v, size_t n)
             lane[l] += v[j + l];
         }
     }
-    return lanes_total(lane);
+    return array_total(lane);
 }
 
 static double sum2(const double *u, const double *v, size_t n)
@@ -38,7 +37,7 @@ static double sum2(const double *u, const double *v, size_t n)
             lane[l] += u[j + l] * v[j + l];
         }
     }
-    return lanes_total(lane);
+    return array_total(lane);
 }
 
 /* Doubles for lobe shapes: all of them where that is reasonable, else those of the first nodes. */
@@ -141,9 +140,9 @@ static void own_moments(const struct moments *m, struct node *node, const double
             m4[l] += pd2 * (d * d);
         }
     }
-    node->m2 = lanes_total(m2) / node->h;
-    node->m3 = lanes_total(m3) / node->h;
-    node->m4 = lanes_total(m4) / node->h;
+    node->m2 = array_total(m2) / node->h;
+    node->m3 = array_total(m3) / node->h;
+    node->m4 = array_total(m4) / node->h;
 }
 
 /* Every functional at the node; x holds x - mean. */
@@ -165,9 +164,9 @@ static void functionals(const struct moments *m, struct node *node, const double
                 f2[l] += moment * x[j + l];
             }
         }
-        node->functional[f].f0 = lanes_total(f0);
-        node->functional[f].f1 = lanes_total(f1);
-        node->functional[f].f2 = lanes_total(f2);
+        node->functional[f].f0 = array_total(f0);
+        node->functional[f].f1 = array_total(f1);
+        node->functional[f].f2 = array_total(f2);
     }
 }
 
@@ -256,14 +255,14 @@ static void fill_pair(struct moments *m, struct pair *pair)
             first[l] += term * data->c[j + l];
         }
     }
-    pair->value = lanes_total(sum);
+    pair->value = array_total(sum);
     pair->mean = 0.0;
     pair->variance = 0.0;
     pair->mu = 0.0;
     if (!(pair->value > 0.0)) {
         return;
     }
-    pair->mean = lanes_total(first) / pair->value;
+    pair->mean = array_total(first) / pair->value;
     for (j = 0; j < n; j += LANES) {
         for (l = 0; l < LANES; l++) {
             double d = data->c[j + l] - pair->mean;
@@ -271,7 +270,7 @@ static void fill_pair(struct moments *m, struct pair *pair)
             second[l] += product[j + l] * (d * d);
         }
     }
-    pair->variance = lanes_total(second) / pair->value;
+    pair->variance = array_total(second) / pair->value;
     /* The nodes allow for their own roots, the last term for the exponents of the pair. */
     exponent = m->family->exponential ? pair->mean * (p->u + q->u) : 4.0;
     pair->mu = pair->value / (p->root * q->root) - fmax(p->epsilon, q->epsilon) - m->exponent_epsilon * exponent;

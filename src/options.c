@@ -5,6 +5,7 @@
 
 #include "fit.h"
 #include "geometry.h"
+#include "isa.h"
 #include "tolerance.h"
 
 void brdffit_options_init(brdffit_options *o)
@@ -54,6 +55,12 @@ static brdffit_status check_choices(const brdffit_options *o, brdffit_error *err
     }
     if (o->normalise != BRDFFIT_NORMALISE_MAX && o->normalise != BRDFFIT_NORMALISE_NONE) {
         return bad(error, "unknown channel normalisation", (double)o->normalise);
+    }
+    if (!((unsigned)o->isa < BRDFFIT_ISA_COUNT)) {
+        return bad(error, "unknown instruction set", (double)o->isa);
+    }
+    if (!brdffit_isa_supported(o->isa)) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "this build or processor has no such instruction set");
     }
     return BRDFFIT_OK;
 }

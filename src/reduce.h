@@ -11,10 +11,7 @@
 
 #include "arena.h"
 #include "brdffit.h"
-
-/* Lanes of every sum over distinct c; arrays of that length are padded with zeros to a multiple. */
-#define LANES 8u
-#define PADDED(n) (((size_t)(n) + LANES - 1) / LANES * LANES)
+#include "lanes.h"
 
 /*
  * Norm l1 minimises sum w |r| and linf the largest |r| where w > 0, so their samples are multiplied by w and by 1
