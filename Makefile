@@ -38,7 +38,8 @@ SOVERSION := 0
 # Kept whatever CFLAGS says. Proofs and reproducible bits need plain IEEE arithmetic: no contraction
 # into FMA (and never -ffast-math: kernel_exp.h refuses it). errno from libm is never read.
 REQUIRED := -std=c11 -ffp-contract=off -fno-math-errno -fvisibility=hidden -fPIC
-WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
+# -Wno-psabi: 64-byte vectors (src/lanes.h) never cross a call, so that their ABI does not matter.
+WARNINGS := -Wno-psabi -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
 ifeq ($(WERROR),1)
 WARNINGS += -Werror
 endif

@@ -17,11 +17,6 @@
 #error "brdffit needs the vector extension of GCC or Clang"
 #endif
 
-/* GCC warns where a 64-byte vector meets a call without AVX-512; everything here is inlined, so none does. */
-#if !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wpsabi"
-#endif
-
 /* Lanes of every sum over distinct c; arrays of that length are padded with zeros to a multiple. */
 #define LANES 8u
 #define PADDED(n) (((size_t)(n) + LANES - 1) / LANES * LANES)
