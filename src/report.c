@@ -150,7 +150,7 @@ static double effective_samples(struct fit *f, double theta)
     size_t j;
 
     f->family->variable(data->c_min, theta, u);
-    f->family->shape(data->c, data->stride, u[0], f->varpro.phi);
+    brdffit_family_shape(f->family, f->varpro.kernels, data->c, data->stride, u[0], f->varpro.phi);
     for (j = 0; j < data->distinct; j++) {
         h += data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]);
     }
