@@ -103,6 +103,9 @@
 #define REFINE_ONCE 0.02
 #define REFINE_TWICE 0.3
 
+/* Boxes whose mean exponents change by less than this in all are not bounded by plain ranges. */
+#define MONOTONE_LEAST 0.5
+
 /* First partition of the axis: this many intervals, a power of two. */
 #define FIRST_INTERVALS 8
 
