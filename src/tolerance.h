@@ -82,7 +82,7 @@
 /* The second derivative alone decides where it says this many times what counts as a change. */
 #define FLAT_DOUBT 1e3
 /* Ends of a flat stretch are found to this in ln s; they are never outside of it. */
-#define FLAT_END 1e-6
+#define FLAT_END 1e-3
 /* Longest step in ln s along a flat stretch: between two such points the objective is taken to be level too. */
 #define FLAT_STRIDE 0.15
 
