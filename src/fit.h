@@ -48,6 +48,10 @@ brdffit_status brdffit_fit_open(struct fit *fit, const brdffit_samples *samples,
 brdffit_status brdffit_fit_start(struct fit *fit, const brdffit_options *options, struct engine *engine,
                                  struct search_rules *rules, brdffit_error *error);
 
+/* All that follows the reduction, of a fit that is open. */
+brdffit_status brdffit_fit_run(struct fit *fit, const brdffit_options *options, brdffit_result *result,
+                               brdffit_error *error);
+
 /* What turns an internal objective into the caller's units. */
 double brdffit_fit_scale(const struct reduced *data, const brdffit_options *options);
 
