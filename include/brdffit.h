@@ -452,6 +452,9 @@ BRDFFIT_API brdffit_status brdffit_sums_add_row(brdffit_sums *sums, const brdffi
 /* Samples seen so far: `used` and `skipped` (may be NULL) as of brdffit_inspect(). */
 BRDFFIT_API void brdffit_sums_count(const brdffit_sums *sums, size_t *used, size_t skipped[BRDFFIT_SKIP_COUNT]);
 
+/* Largest used radiance of a channel so far, 0 when none is positive. */
+BRDFFIT_API double brdffit_sums_largest(const brdffit_sums *sums, size_t channel);
+
 /* As brdffit_workspace_size(). */
 BRDFFIT_API size_t brdffit_sums_workspace_size(const brdffit_sums *sums, const brdffit_options *options);
 

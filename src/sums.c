@@ -100,6 +100,11 @@ void brdffit_sums_count(const brdffit_sums *sums, size_t *used, size_t skipped[B
     }
 }
 
+double brdffit_sums_largest(const brdffit_sums *sums, size_t channel)
+{
+    return channel < sums->channels ? sums->largest[channel] : 0.0;
+}
+
 size_t brdffit_sums_find(struct brdffit_sums *s, double c)
 {
     uint64_t bits;
