@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "fit.h"
 #include "geometry.h"
 
 void brdffit_texels_init(brdffit_texels *texels, const brdffit_plan *plan)
@@ -59,7 +60,7 @@ void brdffit_many_layout(struct many *many, struct arena *arena, const brdffit_o
     if (brdffit_many_fast_possible(options)) {
         brdffit_many_tile_layout(&many->tile, arena, samples, channels);
     }
-    many->fit_size = brdffit_workspace_size(samples, channels, options);
+    many->fit_size = brdffit_fit_workspace(samples, channels, options);
     many->fit = brdffit_arena_take(arena, many->fit_size, 1);
     if (many->fit_size == 0) {
         arena->failed = 1;
@@ -276,7 +277,7 @@ static void take(struct many *many, const brdffit_texels *texels, size_t texel, 
     many->slot[many->waiting++] = slot;
 }
 
-brdffit_status brdffit_fit_many(const brdffit_plan *plan, const brdffit_texels *texels,
+brdffit_status brdffit_many_run(const brdffit_plan *plan, const brdffit_texels *texels,
                                 const brdffit_texel_results *results, void *workspace, size_t workspace_size,
                                 brdffit_many_stats *stats, brdffit_error *error)
 {

@@ -120,12 +120,21 @@ static double third_of(const double *c)
     return sum * (1.0 + TOL_CURVATURE);
 }
 
+/* How far a gain from the polynomials of window w may be from the truth, relative to the data's sum of squares. */
+static double gain_error(const struct many_fast *f, size_t w)
+{
+    const struct many_window *window = &f->window[w];
+    double inverse = fmax(f->inverse_d[w], f->inverse_d[w + 1]);
+
+    return f->slack + 2.0 * (window->n_error + window->u_error) * sqrt(inverse) + window->d_error * inverse;
+}
+
 /* Bound every window that is left of one texel: 1 proven, 0 not; -1: a better point is where the climb now starts. */
 static int prove(const struct many_fast *f, struct many_tile *tile, struct tile_state *st, size_t lane, double gamma)
 {
     size_t K = f->channels, k, w, calls = 0;
     double *omega = tile->work + K * MANY_TERMS, *norm = omega + K, *third = norm + K;
-    double incumbent = st->rest[lane] - st->best[lane];
+    double incumbent = st->rest[lane] - st->best[lane], noise;
     struct bound_texel b = {f, NULL, tile->work, omega, norm, third, gamma, f->slack, 0.0, 0.0};
     uint64_t left = screen(f, tile, lane, gamma, st->rest[lane], f->slack * st->total[lane]);
     int proven = 1;
@@ -143,9 +152,10 @@ static int prove(const struct many_fast *f, struct many_tile *tile, struct tile_
         for (k = 0; k < K; k++) {
             third[k] = third_of(tile->work + k * MANY_TERMS);
         }
-        b.best = incumbent + f->slack * st->total[lane] + 2e-7 * fmax(st->best[lane], 0.0);
-        proven = bound_window(&b, &calls);
-        if (b.best > incumbent + f->slack * st->total[lane] + 2e-7 * fmax(st->best[lane], 0.0)) {
+        noise = incumbent + 2e-7 * fmax(st->best[lane], 0.0) + gain_error(f, w) * st->total[lane];
+        b.best = noise;
+        proven = bound_window(&b, (st->best_s[lane] - b.window->center) / b.window->radius, &calls);
+        if (b.best > noise) {
             st->climb.window[lane] = w;
             st->climb.t[lane] = b.best_t;
             proven = -1;
