@@ -93,20 +93,34 @@ static brdffit_status check(const brdffit_plan *plan, const brdffit_texels *t, c
     return BRDFFIT_OK;
 }
 
+/* Channels of a sample that lie side by side are one run. */
+#define GATHER(type)                                                                                           \
+    do {                                                                                                       \
+        const type *from = (const type *)t->values + start;                                                    \
+                                                                                                               \
+        for (i = 0; i < samples; i++, from += t->sample_stride, values += channels) {                          \
+            for (k = 0; k < channels; k++) {                                                                   \
+                values[k] = (double)from[(ptrdiff_t)k * t->channel_stride] * scale;                            \
+            }                                                                                                  \
+        }                                                                                                      \
+    } while (0)
+
 void brdffit_many_gather(const brdffit_texels *t, size_t texel, size_t samples, size_t channels, double *values)
 {
     ptrdiff_t start = (ptrdiff_t)texel * t->texel_stride;
+    double scale = t->scale;
     size_t i, k;
 
-    for (i = 0; i < samples; i++) {
-        for (k = 0; k < channels; k++) {
-            ptrdiff_t at = start + (ptrdiff_t)i * t->sample_stride + (ptrdiff_t)k * t->channel_stride;
-            double value = t->type == BRDFFIT_TYPE_DOUBLE  ? ((const double *)t->values)[at]
-                           : t->type == BRDFFIT_TYPE_FLOAT ? (double)((const float *)t->values)[at]
-                                                           : (double)((const unsigned short *)t->values)[at];
-
-            values[i * channels + k] = value * t->scale;
-        }
+    switch (t->type) {
+    case BRDFFIT_TYPE_FLOAT:
+        GATHER(float);
+        break;
+    case BRDFFIT_TYPE_UINT16:
+        GATHER(uint16_t);
+        break;
+    default:
+        GATHER(double);
+        break;
     }
 }
 

@@ -43,13 +43,13 @@ struct bound_texel {
     double best, best_t;  /* gain at the centre of pieces: above the incumbent's, the climb was in the wrong valley */
 };
 
-/* c: MANY_TERMS scalars. */
-LANES_INLINE struct taylor taylor_at(const double *c, lanes t)
+/* c: scalars. */
+LANES_INLINE struct taylor taylor_at(const double *c, int terms, lanes t)
 {
-    struct taylor p = {lanes_set(c[7]), lanes_set(0.0), lanes_set(0.0)};
+    struct taylor p = {lanes_set(c[terms - 1]), lanes_set(0.0), lanes_set(0.0)};
     int j;
 
-    for (j = 6; j >= 0; j--) {
+    for (j = terms - 2; j >= 0; j--) {
         p.f2 = p.f2 * t + p.f1;
         p.f1 = p.f1 * t + p.f0;
         p.f0 = p.f0 * t + c[j];
@@ -63,7 +63,7 @@ static unsigned bound_pieces(struct bound_texel *b, const struct pieces *pieces)
     const struct many_window *w = b->window;
     lanes t = lanes_load(pieces->center), zero = lanes_set(0.0), h = lanes_load(pieces->half) * (1.0 + 1e-9);
     lanes h2 = h * h, h3 = h2 * h;
-    struct taylor d = taylor_at(w->d, t), u = taylor_at(w->u, t);
+    struct taylor d = taylor_at(w->d, MANY_TERMS_D, t), u = taylor_at(w->u, MANY_TERMS, t);
     lanes hh = d.f0 + u.f0 * u.f0, a0 = zero, a1 = zero, a2 = zero, a3 = zero, lifted = zero, size = zero, gained = zero;
     lanes d_error = w->d_third * h3 + w->d_error, u_error = w->u_third * h3 + w->u_error;
     lanes cosine = u.f0 / hh, g, sup;
@@ -73,7 +73,7 @@ static unsigned bound_pieces(struct bound_texel *b, const struct pieces *pieces)
     int l;
 
     for (k = 0; k < b->fast->channels; k++) {
-        struct taylor n = taylor_at(b->n + k * MANY_TERMS, t);
+        struct taylor n = taylor_at(b->n + k * MANY_TERMS, MANY_TERMS, t);
         lanes omega = lanes_set(b->omega[k]);
         lanes x = cosine * lanes_max(n.f0 + omega * u.f0, zero) - omega;
         lanes lambda = lanes_max(x, zero);

@@ -20,13 +20,13 @@ struct taylor {
     lanes f0, f1, f2;
 };
 
-/* c: MANY_TERMS rows of lanes. */
-LANES_INLINE struct taylor taylor_rows(const double *c, lanes t)
+/* c: rows of lanes. */
+LANES_INLINE struct taylor taylor_rows(const double *c, int terms, lanes t)
 {
-    struct taylor p = {lanes_load(c + 7 * LANES), lanes_set(0.0), lanes_set(0.0)};
+    struct taylor p = {lanes_load(c + (terms - 1) * (int)LANES), lanes_set(0.0), lanes_set(0.0)};
     int j;
 
-    for (j = 6; j >= 0; j--) {
+    for (j = terms - 2; j >= 0; j--) {
         p.f2 = p.f2 * t + p.f1;
         p.f1 = p.f1 * t + p.f0;
         p.f0 = p.f0 * t + lanes_load(c + j * (int)LANES);
@@ -61,7 +61,7 @@ static void window_data(const struct many_fast *f, const struct many_tile *tile,
 struct climb {
     size_t window[MANY_TILE];
     double t[MANY_TILE], slope[MANY_TILE];
-    double d[MANY_TERMS * LANES], u[MANY_TERMS * LANES];
+    double d[MANY_TERMS_D * LANES], u[MANY_TERMS * LANES];
 };
 
 static void enter_window(const struct many_fast *f, struct many_tile *tile, struct climb *c, size_t lane)
@@ -70,8 +70,10 @@ static void enter_window(const struct many_fast *f, struct many_tile *tile, stru
     size_t j, k;
 
     window_data(f, tile, c->window[lane], lane, tile->work);
-    for (j = 0; j < MANY_TERMS; j++) {
+    for (j = 0; j < MANY_TERMS_D; j++) {
         c->d[j * LANES + lane] = w->d[j];
+    }
+    for (j = 0; j < MANY_TERMS; j++) {
         c->u[j * LANES + lane] = w->u[j];
         for (k = 0; k < f->channels; k++) {
             tile->n[(k * MANY_TERMS + j) * LANES + lane] = tile->work[k * MANY_TERMS + j];
@@ -84,7 +86,7 @@ static void gain_at(const struct many_fast *f, const struct many_tile *tile, con
                     lanes out[3])
 {
     lanes t = *at, zero = lanes_set(0.0);
-    struct taylor d = taylor_rows(c->d, t), u = taylor_rows(c->u, t), h;
+    struct taylor d = taylor_rows(c->d, MANY_TERMS_D, t), u = taylor_rows(c->u, MANY_TERMS, t), h;
     size_t k;
 
     h.f0 = d.f0 + u.f0 * u.f0;
@@ -92,7 +94,7 @@ static void gain_at(const struct many_fast *f, const struct many_tile *tile, con
     h.f2 = d.f2 + u.f1 * u.f1 + 2.0 * u.f0 * u.f2;
     out[0] = out[1] = out[2] = zero;
     for (k = 0; k < f->channels; k++) {
-        struct taylor n = taylor_rows(tile->n + k * MANY_TERMS * LANES, t);
+        struct taylor n = taylor_rows(tile->n + k * MANY_TERMS * LANES, MANY_TERMS, t);
         lanes omega = lanes_load(tile->omega + k * LANES);
         lanes_mask free = omega * d.f0 - n.f0 * u.f0 >= zero; /* x = omega - u n / D */
         lanes f0 = n.f0 + lanes_select(free, zero, omega * u.f0), f1 = n.f1 + lanes_select(free, zero, omega * u.f1);
