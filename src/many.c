@@ -93,12 +93,17 @@ static brdffit_status check(const brdffit_plan *plan, const brdffit_texels *t, c
     return BRDFFIT_OK;
 }
 
-/* Channels of a sample that lie side by side are one run. */
+/* Three channels are what a camera has; any other number takes the second loop. */
 #define GATHER(type)                                                                                           \
     do {                                                                                                       \
         const type *from = (const type *)t->values + start;                                                    \
                                                                                                                \
-        for (i = 0; i < samples; i++, from += t->sample_stride, values += channels) {                          \
+        for (i = 0; i < samples && channels == 3; i++, from += t->sample_stride, values += 3) {                \
+            values[0] = (double)from[0] * scale;                                                               \
+            values[1] = (double)from[t->channel_stride] * scale;                                               \
+            values[2] = (double)from[2 * t->channel_stride] * scale;                                           \
+        }                                                                                                      \
+        for (; i < samples; i++, from += t->sample_stride, values += channels) {                               \
             for (k = 0; k < channels; k++) {                                                                   \
                 values[k] = (double)from[(ptrdiff_t)k * t->channel_stride] * scale;                            \
             }                                                                                                  \

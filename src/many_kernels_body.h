@@ -34,7 +34,7 @@ static void choose_starts(const struct many_fast *f, const struct many_tile *til
     for (j = 1; j <= f->windows; j++) {
         lanes gain = lanes_load(tile->gain + j * LANES);
 
-        at = lanes_select(gain > top, lanes_set((double)j), at);
+        at = lanes_select(lanes_below(top, gain), lanes_set((double)j), at);
         top = lanes_max(gain, top);
     }
     lanes_store(node, at);
@@ -122,7 +122,7 @@ static void screen(const struct many_fast *f, const struct many_tile *tile, stru
         const struct many_window *window = &f->window[w];
         lanes high = lanes_load(tile->gain + (w + 1) * LANES), gain = lanes_max(low, high) + rounding;
         lanes threshold = window->shrink * root - window->delta * size;
-        lanes_mask out = (threshold > lanes_set(0.0)) & (gain <= threshold * threshold);
+        lanes_mask out = lanes_below(lanes_set(0.0), threshold) & lanes_below(gain, threshold * threshold);
 
         left |= ~out & (int64_t)(UINT64_C(1) << w);
         low = high;

@@ -49,6 +49,7 @@ LANES_INLINE struct taylor taylor_at(const double *c, int terms, lanes t)
     struct taylor p = {lanes_set(c[terms - 1]), lanes_set(0.0), lanes_set(0.0)};
     int j;
 
+#pragma GCC unroll 16
     for (j = terms - 2; j >= 0; j--) {
         p.f2 = p.f2 * t + p.f1;
         p.f1 = p.f1 * t + p.f0;
@@ -81,7 +82,7 @@ static unsigned bound_pieces(struct bound_texel *b, const struct pieces *pieces)
         lanes e = b->third[k] * h3 + w->n_error * b->norm[k] + lambda * u_error;
         lanes spread = lanes_abs(v1) * h + lanes_abs(v2) * h2 + e, s = lanes_abs(v0) + spread;
         lanes top = lanes_max(v0 + spread, zero), positive = lanes_max(v0, zero);
-        lanes_mask square = v0 > zero;
+        lanes_mask square = lanes_below(zero, v0);
 
         a0 += lanes_select(square, v0 * v0 + 2.0 * s * e, top * top);
         a1 += lanes_select(square, 2.0 * v0 * v1, zero);
@@ -97,12 +98,12 @@ static unsigned bound_pieces(struct bound_texel *b, const struct pieces *pieces)
     a1 -= g * d.f1;
     a2 -= g * d.f2;
     {
-        lanes_mask inside = (a2 < zero) & (lanes_abs(a1) < -2.0 * a2 * h);
+        lanes_mask inside = lanes_below(a2, zero) & lanes_below(lanes_abs(a1), -2.0 * a2 * h);
         lanes end = a0 + lanes_abs(a1) * h + a2 * h2;
 
         sup = lanes_select(inside, a0 - a1 * a1 / (4.0 * lanes_min(a2, lanes_set(-1e-300))), end) + a3;
     }
-    keep = ~(sup <= zero);
+    keep = ~lanes_below(sup, zero);
     for (l = 0; l < (int)LANES; l++) {
         left |= (unsigned)(keep[l] & 1) << l;
     }

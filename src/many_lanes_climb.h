@@ -26,6 +26,7 @@ LANES_INLINE struct taylor taylor_rows(const double *c, int terms, lanes t)
     struct taylor p = {lanes_load(c + (terms - 1) * (int)LANES), lanes_set(0.0), lanes_set(0.0)};
     int j;
 
+#pragma GCC unroll 16
     for (j = terms - 2; j >= 0; j--) {
         p.f2 = p.f2 * t + p.f1;
         p.f1 = p.f1 * t + p.f0;
@@ -96,14 +97,14 @@ static void gain_at(const struct many_fast *f, const struct many_tile *tile, con
     for (k = 0; k < f->channels; k++) {
         struct taylor n = taylor_rows(tile->n + k * MANY_TERMS * LANES, MANY_TERMS, t);
         lanes omega = lanes_load(tile->omega + k * LANES);
-        lanes_mask free = omega * d.f0 - n.f0 * u.f0 >= zero; /* x = omega - u n / D */
+        lanes_mask free = ~lanes_below(omega * d.f0, n.f0 * u.f0); /* x = omega - u n / D */
         lanes f0 = n.f0 + lanes_select(free, zero, omega * u.f0), f1 = n.f1 + lanes_select(free, zero, omega * u.f1);
         lanes f2 = n.f2 + lanes_select(free, zero, omega * u.f2);
         lanes g0 = lanes_select(free, d.f0, h.f0), g1 = lanes_select(free, d.f1, h.f1);
         lanes g2 = lanes_select(free, d.f2, h.f2);
         lanes y = lanes_max(f0, zero) / g0, dy = (f1 - y * g1) / g0, part = 2.0 * f1 - y * g1;
 
-        dy = lanes_select(y > zero, dy, zero);
+        dy = lanes_select(lanes_below(zero, y), dy, zero);
         out[0] += y * lanes_max(f0, zero) - lanes_select(free, zero, omega * omega);
         out[1] += y * part;
         out[2] += dy * part + y * (4.0 * f2 - dy * g1 - 2.0 * y * g2);
@@ -121,14 +122,14 @@ static void climb_window(const struct many_fast *f, const struct many_tile *tile
     most = value[0];
     slope = value[1];
     for (i = 0; i < CLIMB_STEPS; i++) {
-        lanes uphill = lanes_select(value[1] > zero, lanes_set(0.4), lanes_set(-0.4));
-        lanes step = lanes_select(value[2] < zero, -value[1] / value[2], uphill);
+        lanes uphill = lanes_select(lanes_below(zero, value[1]), lanes_set(0.4), lanes_set(-0.4));
+        lanes step = lanes_select(lanes_below(value[2], zero), -value[1] / value[2], uphill);
         lanes_mask better;
 
         step = lanes_max(lanes_min(step, lanes_set(0.8)), lanes_set(-0.8));
         t = lanes_max(lanes_min(t + step, one), -one);
         gain_at(f, tile, c, &t, value);
-        better = value[0] >= most;
+        better = ~lanes_below(value[0], most);
         most = lanes_select(better, value[0], most);
         best = lanes_select(better, t, best);
         slope = lanes_select(better, value[1], slope);
@@ -171,7 +172,7 @@ static void evaluate(const struct many_fast *f, struct many_tile *tile, const do
         }
         y = lanes_max(n / d, zero);
         x = omega - y * u;
-        y = lanes_select(x < zero, lanes_max((n + omega * u) / h, zero), y);
+        y = lanes_select(lanes_below(x, zero), lanes_max((n + omega * u) / h, zero), y);
         x = lanes_max(x, zero);
         lanes_store(x_out + k * LANES, x);
         lanes_store(y_out + k * LANES, y);
