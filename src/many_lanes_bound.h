@@ -72,7 +72,7 @@ LANES_INLINE void bound_part(const struct bound_texel *b, const struct pieces *p
     const struct many_window *w = b->window;
     vec t = vec_load(pieces->center + part), zero = vec_set(0.0), h = vec_load(pieces->half + part) * (1.0 + 1e-9);
     vec h2 = h * h, h3 = h2 * h;
-    struct taylor d = taylor_at(w->d, MANY_TERMS_MORE, t), u = taylor_at(w->u[more], terms, t);
+    struct taylor d = taylor_at(w->d, MANY_TERMS_D, t), u = taylor_at(w->u[more], terms, t);
     vec hh = d.f0 + u.f0 * u.f0, a0 = zero, a1 = zero, a2 = zero, a3 = zero, lifted = zero, size = zero, gained = zero;
     vec d_error = w->d_third * h3 + w->d_error, u_error = w->u_third[more] * h3 + w->u_error[more];
     vec cosine = u.f0 / hh, g, end;

@@ -66,7 +66,7 @@ static void window_data(const struct many_fast *f, const struct many_tile *tile,
 struct climb {
     size_t window[MANY_TILE];
     double t[MANY_TILE], slope[MANY_TILE];
-    double d[MANY_TERMS_MORE * LANES], u[MANY_TERMS * LANES];
+    double d[MANY_TERMS_D * LANES], u[MANY_TERMS * LANES];
 };
 
 static void enter_window(const struct many_fast *f, struct many_tile *tile, struct climb *c, size_t lane)
@@ -75,7 +75,7 @@ static void enter_window(const struct many_fast *f, struct many_tile *tile, stru
     size_t j, k;
 
     window_data(f, tile, c->window[lane], 0, lane, tile->work);
-    for (j = 0; j < MANY_TERMS_MORE; j++) {
+    for (j = 0; j < MANY_TERMS_D; j++) {
         c->d[j * LANES + lane] = w->d[j];
     }
     for (j = 0; j < MANY_TERMS; j++) {
@@ -91,7 +91,7 @@ LANES_INLINE void gain_at(const struct many_fast *f, const struct many_tile *til
                     const vec *at, vec out[3])
 {
     vec t = *at, zero = vec_set(0.0);
-    struct taylor d = taylor_rows(c->d + part, MANY_TERMS_MORE, t), u = taylor_rows(c->u + part, MANY_TERMS, t), h;
+    struct taylor d = taylor_rows(c->d + part, MANY_TERMS_D, t), u = taylor_rows(c->u + part, MANY_TERMS, t), h;
     size_t k;
 
     h.f0 = d.f0 + u.f0 * u.f0;
