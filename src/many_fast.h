@@ -29,14 +29,14 @@ struct many_window {
     double d[MANY_TERMS_D], u[2][MANY_TERMS_MORE]; /* polynomials of D and u in t; [1]: with more terms */
     double d_error, u_error[2], n_error[2]; /* how far they, and those of n_k per |I_k|, may be from the truth */
     double d_third, u_third[2];             /* |third derivative| / 6 of the polynomials, at most */
-    double delta, shrink;                    /* screening: see many_fast.c; shrink <= 0: it cannot be screened */
+    double delta, shrink;                    /* screening: see many_window.c; shrink <= 0: it cannot be screened */
 };
 
 struct many_fast {
     size_t used, channels;
     size_t distinct;        /* M */
-    size_t windows;         /* N, at most 64 */
-    size_t nodes;           /* N + 1 padded to a multiple of LANES */
+    size_t windows;         /* N, at most 63 */
+    size_t nodes;           /* N + 1, a multiple of LANES */
     double root_a;          /* |a|; 0 when no sample has a diffuse part */
     double slack;           /* rounding of the sums, relative to the data's sum of squares */
     double s_low;           /* s at the start of the range */
@@ -48,7 +48,7 @@ struct many_fast {
     double *radiance;       /* used: turns a value into radiance */
     double *c, *bb, *ab;    /* PADDED(M): c - c_min, sum b^2, sum a b / |a| */
     double *phi;            /* nodes / LANES x M x LANES: exp(-c s) */
-    double *inverse_d;      /* nodes: 1 / D; 0 beyond the last */
+    double *inverse_d;      /* nodes: 1 / D */
     double *shape[2];       /* N x M x MANY_TERMS, or MANY_STRIDE_MORE: polynomials of exp(-c s) */
     struct many_window *window;
 };
@@ -97,6 +97,12 @@ void brdffit_many_tile_layout(struct many_tile *tile, struct arena *arena, size_
 void brdffit_many_fast_scratch(struct reduced *reduced, double **values, struct arena *arena, size_t count);
 int brdffit_many_fast_start(struct many_fast *fast, const brdffit_samples *geometry, const brdffit_options *options,
                             struct reduced *scratch, double *values);
+
+/* D(s) = |b phi - u a / |a||^2 from the samples themselves, so that nothing cancels; and u(s). */
+double brdffit_many_d(const struct many_fast *fast, double s, double *u);
+
+/* Fill window w, whose center and radius are set and whose ends have these D. snapped: see struct reduced. */
+void brdffit_many_window(struct many_fast *fast, size_t w, double d_low, double d_high, double snapped);
 
 struct many_kernels {
     /* The used samples of the texels whose values (samples x K) are given, into tile->value. */

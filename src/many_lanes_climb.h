@@ -13,7 +13,7 @@
 #include "many_fast.h"
 
 /* Newton steps within a window; they converge quadratically. */
-#define CLIMB_STEPS 6
+#define CLIMB_STEPS 5
 
 /* Value, first derivative and half the second of a polynomial whose coefficient j is c[j]. */
 struct taylor {

@@ -1,6 +1,6 @@
 /*
  * A tile of texels: into lanes, through the plan's kernels, and back to the caller's units; texels that have no
- * place there take the general path. Layer 5. SPDX-License-Identifier: MIT
+ * place there take the general path, and so does the fit of two lobes. Layer 5. SPDX-License-Identifier: MIT
  */
 #include <math.h>
 
@@ -61,14 +61,21 @@ static double sigma_of(const brdffit_plan *plan, double s)
     return s <= plan->fast.s_low ? o->sigma_max : fmax(fmin(sigma, o->sigma_max), o->sigma_min);
 }
 
+/* What turns a lane's objective into the caller's units. */
+static double unit_of(const brdffit_plan *plan, const struct many_tile *tile, size_t lane)
+{
+    double value = plan->options.normalise == BRDFFIT_NORMALISE_NONE ? tile->scale[lane] : 1.0;
+
+    return plan->fast.scale_w * (value * value);
+}
+
 /* A certified lane to a result. */
 static void keep(const brdffit_plan *plan, const struct many_tile *tile, size_t lane, struct many_result *r)
 {
     const struct many_fast *f = &plan->fast;
     const struct many_outcome *out = &tile->outcome[lane];
     int none = plan->options.normalise == BRDFFIT_NORMALISE_NONE;
-    double value = none ? tile->scale[lane] : 1.0, unit = f->scale_w * (value * value);
-    double factor = f->family->factor(f->c_min, out->s);
+    double unit = unit_of(plan, tile, lane), factor = f->family->factor(f->c_min, out->s);
     size_t k;
 
     r->status = BRDFFIT_TEXEL_CERTIFIED;
@@ -146,6 +153,20 @@ static void fit_lanes(struct many *many)
     }
 }
 
+/* Two lobes: the ordinary fit, and whether its bound leaves room for a second lobe to be of use. */
+static void fit_two(struct many *many, size_t l)
+{
+    const brdffit_plan *plan = many->plan;
+    struct many_result *r = &many->result[l];
+
+    brdffit_many_general(plan, many, many->row[l], r);
+    if (plan->kernels && many->tile.outcome[l].certified && r->status <= BRDFFIT_TEXEL_OPEN) {
+        double one = many->tile.outcome[l].e2 * unit_of(plan, &many->tile, l);
+
+        r->one_lobe_enough = one <= (1.0 + plan->options.relative_gap) * r->lower_bound;
+    }
+}
+
 void brdffit_many_tile(struct many *many)
 {
     const brdffit_plan *plan = many->plan;
@@ -157,7 +178,9 @@ void brdffit_many_tile(struct many *many)
     for (l = 0; l < many->filled; l++) {
         struct many_result *r = &many->result[l];
 
-        if (plan->kernels && many->tile.outcome[l].certified) {
+        if (plan->options.lobes > 1) {
+            fit_two(many, l);
+        } else if (plan->kernels && many->tile.outcome[l].certified) {
             keep(plan, &many->tile, l, r);
         } else if (plan->kernels && no_signal(&many->tile, plan->fast.channels, l)) {
             keep_nothing(plan, r);

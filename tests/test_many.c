@@ -427,6 +427,45 @@ static void test_two_lobes(void **state)
     check_against_fit(spec, 8, 2, 17);
 }
 
+/* One-lobe truth with noise, fitted with two: the count of texels that one lobe suffices for, against two fits. */
+static void test_one_lobe_enough(void **state)
+{
+    struct brdffit_test_spec spec = brdffit_test_spec_default();
+    struct batch b;
+    size_t t, enough = 0;
+
+    (void)state;
+    batch_new(&b, spec, 8, 2, 41);
+    for (t = 0; t < b.count; t++) {
+        struct brdffit_test_spec texel = spec;
+        struct brdffit_test_data data;
+
+        texel.seed = 300 + t;
+        texel.lobes = t < 6 ? 1 : 2;
+        texel.sigma[0] = 0.15;
+        texel.noise = 0.01;
+        brdffit_test_data_new(&texel, &data);
+        memcpy(b.values + t * 84 * 3, data.values, 84 * 3 * sizeof(double));
+        brdffit_test_data_free(&data);
+    }
+    b.options.relative_gap = 0.02; /* what noise alone lets a second lobe gain is about 1 % */
+    fit_all(&b);
+    for (t = 0; t < b.count; t++) {
+        brdffit_samples samples = texel_samples(&b, t);
+        brdffit_options options = b.options;
+        struct brdffit_test_fit fit;
+
+        options.lobes = 1;
+        options.relative_gap = 1e-6;
+        brdffit_test_fit(&samples, &options, &fit);
+        enough += fit.result.e2 <= 1.02 * b.results.lower_bound[t];
+        brdffit_test_fit_free(&fit);
+    }
+    assert_true(enough >= 2 && enough <= 6);
+    assert_int_equal(b.stats.one_lobe_enough, enough);
+    batch_free(&b);
+}
+
 /* ---- One texel, one answer ------------------------------------------------------------------------------------ */
 
 /* Texel `t` of b and texel `u` of c have the same bits in every array. */
@@ -729,6 +768,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_one_lobe),         cmocka_unit_test(test_options),
         cmocka_unit_test(test_metals),           cmocka_unit_test(test_two_lobes),
+        cmocka_unit_test(test_one_lobe_enough),
         cmocka_unit_test(test_instruction_sets), cmocka_unit_test(test_order_and_size),
         cmocka_unit_test(test_layouts),          cmocka_unit_test(test_odd_texels),
         cmocka_unit_test(test_degenerate_geometry), cmocka_unit_test(test_misuse),
