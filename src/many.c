@@ -1,0 +1,254 @@
+/*
+ * The batch: check the call, fit texel by texel, hand results out. See many.h. Layer 5.
+ * SPDX-License-Identifier: MIT
+ */
+#include "many.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "geometry.h"
+
+void brdffit_texels_init(brdffit_texels *texels, const brdffit_plan *plan)
+{
+    static const brdffit_texels zero;
+
+    *texels = zero;
+    texels->struct_size = sizeof *texels;
+    texels->scale = 1.0;
+    texels->channel_stride = 1;
+    texels->sample_stride = plan ? (ptrdiff_t)plan->geometry.channels : 0;
+    texels->texel_stride = plan ? (ptrdiff_t)(plan->geometry.count * plan->geometry.channels) : 0;
+}
+
+void brdffit_texel_results_init(brdffit_texel_results *results)
+{
+    static const brdffit_texel_results zero;
+
+    *results = zero;
+    results->struct_size = sizeof *results;
+}
+
+void brdffit_many_stats_init(brdffit_many_stats *stats)
+{
+    static const brdffit_many_stats zero;
+
+    *stats = zero;
+    stats->struct_size = sizeof *stats;
+}
+
+const char *brdffit_texel_status_string(brdffit_texel_status status)
+{
+    static const char *const name[BRDFFIT_TEXEL_STATUS_COUNT] = {"certified", "open",      "no_signal",
+                                                                 "masked",    "bad_value", "refused"};
+
+    return (unsigned)status < BRDFFIT_TEXEL_STATUS_COUNT ? name[status] : "unknown";
+}
+
+void brdffit_many_layout(struct many *many, struct arena *arena, const brdffit_options *options, size_t samples,
+                         size_t channels)
+{
+    many->values = brdffit_arena_take(arena, samples, 2 * channels * sizeof(double));
+    many->result.x = ARENA_DOUBLES(arena, channels);
+    many->result.y = brdffit_arena_take(arena, channels, (size_t)options->lobes * sizeof(double));
+    many->result.channel_scale = ARENA_DOUBLES(arena, channels);
+    many->fit_size = brdffit_workspace_size(samples, channels, options);
+    many->fit = brdffit_arena_take(arena, many->fit_size, 1);
+    if (many->fit_size == 0) {
+        arena->failed = 1;
+    }
+}
+
+static brdffit_status check(const brdffit_plan *plan, const brdffit_texels *t, const brdffit_texel_results *results,
+                            const void *workspace, size_t size, const brdffit_many_stats *stats,
+                            brdffit_error *error)
+{
+    if (!plan || !workspace || (stats && stats->struct_size != sizeof *stats)) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "plan or workspace is NULL, or stats of another version");
+    }
+    if (!t || t->struct_size != sizeof *t || !results || results->struct_size != sizeof *results) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "texels or results: NULL or of another version's size");
+    }
+    if (t->count && !t->values) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "texels: values is NULL");
+    }
+    if (!((unsigned)t->type < BRDFFIT_TYPE_COUNT)) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "texels: unknown type of element");
+    }
+    if (!(t->scale > 0.0 && isfinite(t->scale))) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "texels: scale must be finite and > 0");
+    }
+    if (size < plan->workspace_size) {
+        return brdffit_fail(error, BRDFFIT_ERR_WORKSPACE,
+                            "the workspace is smaller than brdffit_many_workspace_size()");
+    }
+    return BRDFFIT_OK;
+}
+
+void brdffit_many_gather(const brdffit_texels *t, size_t texel, size_t samples, size_t channels, double *values)
+{
+    ptrdiff_t start = (ptrdiff_t)texel * t->texel_stride;
+    size_t i, k;
+
+    for (i = 0; i < samples; i++) {
+        for (k = 0; k < channels; k++) {
+            ptrdiff_t at = start + (ptrdiff_t)i * t->sample_stride + (ptrdiff_t)k * t->channel_stride;
+            double value = t->type == BRDFFIT_TYPE_DOUBLE  ? ((const double *)t->values)[at]
+                           : t->type == BRDFFIT_TYPE_FLOAT ? (double)((const float *)t->values)[at]
+                                                           : (double)((const unsigned short *)t->values)[at];
+
+            values[i * channels + k] = value * t->scale;
+        }
+    }
+}
+
+static void store(double *to, size_t texel, size_t width, const double *from, int fitted)
+{
+    size_t j;
+
+    for (j = 0; to && j < width; j++) {
+        to[texel * width + j] = fitted ? from[j] : NAN;
+    }
+}
+
+/* Hand one texel's result to the caller. */
+static void publish(const brdffit_plan *plan, const brdffit_texel_results *to, size_t texel,
+                    const struct many_result *r)
+{
+    size_t K = plan->geometry.channels, P = (size_t)plan->options.lobes;
+    int fitted = r->status == BRDFFIT_TEXEL_CERTIFIED || r->status == BRDFFIT_TEXEL_OPEN ||
+                 r->status == BRDFFIT_TEXEL_NO_SIGNAL;
+
+    store(to->sigma, texel, P, r->sigma, fitted);
+    store(to->x, texel, K, r->x, fitted);
+    store(to->y, texel, K * P, r->y, fitted);
+    store(to->channel_scale, texel, K, r->channel_scale, fitted);
+    store(to->e2, texel, 1, &r->e2, fitted);
+    store(to->lower_bound, texel, 1, &r->lower_bound, fitted);
+    store(to->sum_of_squares, texel, 1, &r->sum_of_squares, fitted);
+    if (to->status) {
+        to->status[texel] = (unsigned char)r->status;
+    }
+    if (to->stop) {
+        to->stop[texel] = (unsigned char)(r->status <= BRDFFIT_TEXEL_OPEN ? r->stop : BRDFFIT_STOP_COUNT);
+    }
+    if (to->where) {
+        to->where[texel] = r->where;
+    }
+    if (to->boxes) {
+        to->boxes[texel] = r->boxes;
+    }
+}
+
+/* Whether two channels of a texel hold the same bits. */
+static int equal_channels(const double *values, size_t samples, size_t K, size_t k, size_t other)
+{
+    size_t i;
+
+    for (i = 0; i < samples; i++) {
+        if (memcmp(&values[i * K + k], &values[i * K + other], sizeof *values) != 0) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static int zero_channel(const double *values, size_t samples, size_t K, size_t k)
+{
+    size_t i;
+
+    for (i = 0; i < samples; i++) {
+        if (values[i * K + k] != 0.0) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static void count_channels(const brdffit_plan *plan, const double *values, brdffit_many_stats *stats)
+{
+    size_t n = plan->geometry.count, K = plan->geometry.channels, k, other;
+
+    for (k = 0; k < K; k++) {
+        int equal = 0;
+
+        if (zero_channel(values, n, K, k)) {
+            stats->zero_channels++;
+            continue;
+        }
+        for (other = 0; other < k && !equal; other++) {
+            equal = equal_channels(values, n, K, k, other);
+        }
+        stats->equal_channels += (size_t)equal;
+    }
+}
+
+static void count(const brdffit_plan *plan, const double *values, const struct many_result *r, int repeated,
+                  brdffit_many_stats *s)
+{
+    size_t *const of[BRDFFIT_TEXEL_STATUS_COUNT] = {&s->certified, &s->open,      &s->no_signal,
+                                                    &s->masked,    &s->bad_value, &s->refused};
+
+    s->texels++;
+    ++*of[r->status];
+    if (r->status > BRDFFIT_TEXEL_OPEN) {
+        s->equal += (size_t)repeated;
+        return;
+    }
+    s->equal += (size_t)repeated;
+    s->one_lobe_enough += (size_t)r->one_lobe_enough;
+    if (!repeated) {
+        s->general += (size_t)r->general;
+        s->boxes += r->boxes;
+        s->nodes += r->nodes;
+        count_channels(plan, values, s);
+    }
+}
+
+brdffit_status brdffit_fit_many(const brdffit_plan *plan, const brdffit_texels *texels,
+                                const brdffit_texel_results *results, void *workspace, size_t workspace_size,
+                                brdffit_many_stats *stats, brdffit_error *error)
+{
+    brdffit_status status = check(plan, texels, results, workspace, workspace_size, stats, error);
+    struct arena arena;
+    struct many many;
+    size_t n, K, t;
+    double *values, *before;
+    int any = 0;
+
+    if (status != BRDFFIT_OK) {
+        return status;
+    }
+    n = plan->geometry.count;
+    K = plan->geometry.channels;
+    brdffit_arena_init(&arena, workspace, workspace_size);
+    brdffit_many_layout(&many, &arena, &plan->options, n, K);
+    values = many.values;
+    before = many.values + n * K;
+    for (t = 0; t < texels->count; t++) {
+        struct many_result masked = {.status = BRDFFIT_TEXEL_MASKED, .where = BRDFFIT_NONE};
+        double *swap = before;
+        int repeated;
+
+        if (texels->mask && !texels->mask[t]) {
+            publish(plan, results, t, &masked);
+            if (stats) {
+                count(plan, values, &masked, 0, stats);
+            }
+            continue;
+        }
+        before = values;
+        values = swap;
+        brdffit_many_gather(texels, t, n, K, values);
+        repeated = any && memcmp(values, before, n * K * sizeof *values) == 0;
+        if (!repeated) {
+            brdffit_many_general(plan, &many, values, &many.result);
+        }
+        any = 1;
+        publish(plan, results, t, &many.result);
+        if (stats) {
+            count(plan, values, &many.result, repeated, stats);
+        }
+    }
+    return BRDFFIT_OK;
+}
