@@ -299,6 +299,10 @@ static cli_parse check_together(const parser *p)
                 s->file_count);
         return usage(p);
     }
+    if (p->command == CLI_MAP && (s->file_count != 1 || standard_inputs > 0)) {
+        fprintf(stderr, "brdffit map: needs one STACK, a file or a folder\n");
+        return usage(p);
+    }
     if (standard_inputs > 1) {
         fprintf(stderr, "brdffit %s: standard input ('-') can be read only once\n",
                 p->command_name);
