@@ -48,10 +48,17 @@ const char *brdffit_texel_status_string(brdffit_texel_status status)
 void brdffit_many_layout(struct many *many, struct arena *arena, const brdffit_options *options, size_t samples,
                          size_t channels)
 {
-    many->values = brdffit_arena_take(arena, samples, 2 * channels * sizeof(double));
-    many->result.x = ARENA_DOUBLES(arena, channels);
-    many->result.y = brdffit_arena_take(arena, channels, (size_t)options->lobes * sizeof(double));
-    many->result.channel_scale = ARENA_DOUBLES(arena, channels);
+    size_t i;
+
+    for (i = 0; i <= MANY_TILE; i++) {
+        many->row[i] = brdffit_arena_take(arena, samples, channels * sizeof(double));
+        many->result[i].x = ARENA_DOUBLES(arena, channels);
+        many->result[i].y = brdffit_arena_take(arena, channels, (size_t)options->lobes * sizeof(double));
+        many->result[i].channel_scale = ARENA_DOUBLES(arena, channels);
+    }
+    if (brdffit_many_fast_possible(options)) {
+        brdffit_many_tile_layout(&many->tile, arena, samples, channels);
+    }
     many->fit_size = brdffit_workspace_size(samples, channels, options);
     many->fit = brdffit_arena_take(arena, many->fit_size, 1);
     if (many->fit_size == 0) {
@@ -205,50 +212,98 @@ static void count(const brdffit_plan *plan, const double *values, const struct m
     }
 }
 
+/* Fit what waits and hand it out; the newest row becomes the one before. */
+static void flush(struct many *many, const brdffit_texel_results *results, brdffit_many_stats *stats)
+{
+    size_t i, newest = many->filled - 1;
+    double *row;
+    struct many_result result;
+
+    if (many->filled == 0) {
+        return;
+    }
+    brdffit_many_tile(many);
+    for (i = 0; i < many->waiting; i++) {
+        size_t slot = many->slot[i];
+        int repeated = i > 0 && many->slot[i - 1] == slot;
+
+        publish(many->plan, results, many->texel[i], &many->result[slot]);
+        if (stats) {
+            count(many->plan, many->row[slot], &many->result[slot], repeated, stats);
+        }
+    }
+    row = many->row[MANY_TILE];
+    many->row[MANY_TILE] = many->row[newest];
+    many->row[newest] = row;
+    result = many->result[MANY_TILE];
+    many->result[MANY_TILE] = many->result[newest];
+    many->result[newest] = result;
+    many->before = 1;
+    many->filled = many->waiting = 0;
+}
+
+static int same(const struct many *many, const double *row, const double *other)
+{
+    return memcmp(row, other, many->plan->geometry.count * many->plan->geometry.channels * sizeof *row) == 0;
+}
+
+/* One texel that is not masked. */
+static void take(struct many *many, const brdffit_texels *texels, size_t texel, const brdffit_texel_results *results,
+                 brdffit_many_stats *stats)
+{
+    double *row;
+    size_t slot;
+
+    if (many->filled == MANY_TILE || many->waiting == MANY_WAITING) {
+        flush(many, results, stats);
+    }
+    row = many->row[many->filled];
+    brdffit_many_gather(texels, texel, many->plan->geometry.count, many->plan->geometry.channels, row);
+    slot = many->filled;
+    if (slot == 0 && many->before && same(many, row, many->row[MANY_TILE])) {
+        publish(many->plan, results, texel, &many->result[MANY_TILE]);
+        if (stats) {
+            count(many->plan, row, &many->result[MANY_TILE], 1, stats);
+        }
+        return;
+    }
+    if (slot > 0 && same(many, row, many->row[slot - 1])) {
+        slot--;
+    } else {
+        many->filled++;
+    }
+    many->texel[many->waiting] = texel;
+    many->slot[many->waiting++] = slot;
+}
+
 brdffit_status brdffit_fit_many(const brdffit_plan *plan, const brdffit_texels *texels,
                                 const brdffit_texel_results *results, void *workspace, size_t workspace_size,
                                 brdffit_many_stats *stats, brdffit_error *error)
 {
+    static const struct many_result masked = {.status = BRDFFIT_TEXEL_MASKED, .where = BRDFFIT_NONE};
     brdffit_status status = check(plan, texels, results, workspace, workspace_size, stats, error);
     struct arena arena;
     struct many many;
-    size_t n, K, t;
-    double *values, *before;
-    int any = 0;
+    size_t t;
 
     if (status != BRDFFIT_OK) {
         return status;
     }
-    n = plan->geometry.count;
-    K = plan->geometry.channels;
     brdffit_arena_init(&arena, workspace, workspace_size);
-    brdffit_many_layout(&many, &arena, &plan->options, n, K);
-    values = many.values;
-    before = many.values + n * K;
+    brdffit_many_layout(&many, &arena, &plan->options, plan->geometry.count, plan->geometry.channels);
+    many.plan = plan;
+    many.filled = many.waiting = 0;
+    many.before = 0;
     for (t = 0; t < texels->count; t++) {
-        struct many_result masked = {.status = BRDFFIT_TEXEL_MASKED, .where = BRDFFIT_NONE};
-        double *swap = before;
-        int repeated;
-
         if (texels->mask && !texels->mask[t]) {
             publish(plan, results, t, &masked);
             if (stats) {
-                count(plan, values, &masked, 0, stats);
+                count(plan, NULL, &masked, 0, stats);
             }
-            continue;
-        }
-        before = values;
-        values = swap;
-        brdffit_many_gather(texels, t, n, K, values);
-        repeated = any && memcmp(values, before, n * K * sizeof *values) == 0;
-        if (!repeated) {
-            brdffit_many_general(plan, &many, values, &many.result);
-        }
-        any = 1;
-        publish(plan, results, t, &many.result);
-        if (stats) {
-            count(plan, values, &many.result, repeated, stats);
+        } else {
+            take(&many, texels, t, results, stats);
         }
     }
+    flush(&many, results, stats);
     return BRDFFIT_OK;
 }

@@ -6,11 +6,14 @@
 
 #include "arena.h"
 #include "brdffit.h"
+#include "many_fast.h"
 
 struct brdffit_plan {
     brdffit_options options;
     brdffit_samples geometry; /* copies, in the plan's memory; no values */
     size_t workspace_size;
+    const struct many_kernels *kernels; /* NULL: this geometry and these options have the general path only */
+    struct many_fast fast;
 };
 
 /* One texel's result. Arrays of the longest length lie in the workspace. */
@@ -24,11 +27,19 @@ struct many_result {
     double *x, *y, *channel_scale; /* K, K x P, K */
 };
 
+/* Texels that wait for their tile, those equal to one of them included. */
+#define MANY_WAITING 64
+
 /* What a thread keeps in its workspace. */
 struct many {
-    double *values; /* samples x K of one texel, or of several */
-    struct many_result result;
-    void *fit;      /* workspace of brdffit_fit() */
+    const brdffit_plan *plan;
+    double *row[MANY_TILE + 1];         /* samples x K each; the last: the texel fitted before this tile */
+    struct many_result result[MANY_TILE + 1];
+    size_t filled;                      /* rows in use */
+    int before;                         /* the last row and result hold a texel */
+    size_t waiting, texel[MANY_WAITING], slot[MANY_WAITING];
+    struct many_tile tile;              /* laid out if the plan may have kernels */
+    void *fit;                          /* workspace of brdffit_fit() */
     size_t fit_size;
 };
 
@@ -39,6 +50,9 @@ void brdffit_many_layout(struct many *many, struct arena *arena, const brdffit_o
 /* Values of one texel, samples x K, from whatever type and strides they have. */
 void brdffit_many_gather(const brdffit_texels *texels, size_t texel, size_t samples, size_t channels,
                          double *values);
+
+/* Fit the texels of the rows in use. */
+void brdffit_many_tile(struct many *many);
 
 /* Fit the texel whose values are given by brdffit_fit(). */
 void brdffit_many_general(const brdffit_plan *plan, struct many *many, const double *values,

@@ -18,9 +18,17 @@ static const double *copy(struct arena *arena, const double *from, size_t count,
     return to;
 }
 
+/* Room that making the plan needs. */
+struct making {
+    struct reduced reduced;
+    double *values;
+};
+
 /* The plan and its copy of the geometry; only sizes are counted when the arena has no base. */
-static struct brdffit_plan *lay_out(struct arena *arena, const brdffit_samples *g)
+static struct brdffit_plan *lay_out(struct arena *arena, const brdffit_samples *g, const brdffit_options *o,
+                                    struct making *making)
 {
+    struct many_fast fast = {0};
     struct brdffit_plan *plan = brdffit_arena_take(arena, 1, sizeof *plan);
     int directions = g->form == BRDFFIT_FORM_DIRECTIONS, angles = g->form == BRDFFIT_FORM_ANGLES;
     int coefficients = g->form == BRDFFIT_FORM_COEFFICIENTS;
@@ -38,8 +46,13 @@ static struct brdffit_plan *lay_out(struct arena *arena, const brdffit_samples *
     kept.c = copy(arena, coefficients ? g->c : NULL, g->count, 1);
     kept.weights = copy(arena, g->weights, g->count, 1);
     kept.values = NULL;
+    if (brdffit_many_fast_possible(o)) {
+        brdffit_many_fast_layout(&fast, arena, g->count);
+        brdffit_many_fast_scratch(&making->reduced, &making->values, arena, g->count);
+    }
     if (plan) {
         plan->geometry = kept;
+        plan->fast = fast;
     }
     return plan;
 }
@@ -92,6 +105,7 @@ static size_t workspace_size(const brdffit_options *options, size_t samples, siz
 size_t brdffit_plan_size(const brdffit_samples *geometry, const brdffit_options *options)
 {
     brdffit_options defaults;
+    struct making making;
     struct arena arena;
 
     if (!options) {
@@ -102,7 +116,7 @@ size_t brdffit_plan_size(const brdffit_samples *geometry, const brdffit_options 
         return 0;
     }
     brdffit_arena_init(&arena, NULL, 0);
-    (void)lay_out(&arena, geometry);
+    (void)lay_out(&arena, geometry, options, &making);
     return arena.failed || workspace_size(options, geometry->count, geometry->channels) == 0 ? 0 : arena.used;
 }
 
@@ -112,6 +126,7 @@ brdffit_status brdffit_plan_init(const brdffit_samples *geometry, const brdffit_
     brdffit_options defaults;
     brdffit_status status;
     struct brdffit_plan *made;
+    struct making making;
     struct arena arena;
     size_t needed;
 
@@ -138,10 +153,15 @@ brdffit_status brdffit_plan_init(const brdffit_samples *geometry, const brdffit_
         return status;
     }
     brdffit_arena_init(&arena, memory, size);
-    made = lay_out(&arena, geometry);
+    made = lay_out(&arena, geometry, options, &making);
     made->options = *options;
     made->options.progress = NULL;
     made->workspace_size = workspace_size(options, geometry->count, geometry->channels);
+    made->kernels = NULL;
+    if (brdffit_many_fast_possible(options) &&
+        brdffit_many_fast_start(&made->fast, geometry, options, &making.reduced, making.values)) {
+        made->kernels = brdffit_many_kernels(options->isa);
+    }
     *plan = made;
     return BRDFFIT_OK;
 }

@@ -1,0 +1,438 @@
+/*
+ * What a plan holds for one lobe of an exponential family. Layer 5. SPDX-License-Identifier: MIT
+ *
+ * Let I be a channel's weighted data, a and b the weighted columns, omega = I.a / |a|, and r = I - omega a / |a|
+ * what the diffuse term leaves. For s = 1 / sigma^2 and phi_m = exp(-c_m s), m over distinct c,
+ *
+ *     n_k(s) = sum_m r_km phi_m        r_km: sum of r b over the samples of c_m, known once per texel
+ *     u(s)   = sum_m ab_m phi_m / |a|, H(s) = sum_m bb_m phi_m^2, D(s) = H - u^2 = |b phi - u a / |a||^2
+ *
+ * What channel k gains beyond omega^2 when x_k may have any sign is n_k^2 / D for n_k > 0, else 0. For any
+ * lambda >= 0, 2 omega x + 2 lambda x replaces 2 omega x without lowering the maximum over x >= 0, so
+ *
+ *     J_k <= (omega + lambda)^2 + max(0, n_k - lambda u)^2 / D
+ *
+ * with equality at one s for lambda = max(0, max(0, u V / H) - omega), V = n_k + omega u. So "no s of an interval
+ * gains more than Gamma" is   sum_k max(0, n_k - lambda_k u)^2 - (Gamma - sum lambda (2 omega + lambda)) D <= 0:
+ * n, u and D are sums of exponentials and smooth, D and u are the plan's, n is linear in the data.
+ *
+ * The range of theta = ln s is cut into N windows of equal width. In each, exp(-c s) is a polynomial of degree 7 in
+ * t: Chebyshev interpolation, whose error is below sup |f^(8)| / (8! 2^7) = x^8 exp(-c s_low) / 5160960 with
+ * x = c radius. Summed against data by Cauchy-Schwarz this is n_error |I_k|. D has its own polynomial:
+ * |D^(8)| <= sum bb (2 x)^8 phi^2 + 2^8 (sum ab x^8 phi)(sum ab phi), phi at the low end. The bound on a piece of
+ * a window is in many_lanes_bound.h.
+ *
+ * Screening of a whole window from its end nodes: with chords in s, n_k exceeds its chord by at most
+ * |r_k| h4 width^2 / 8, h4^2 = sum bb c^4 phi(low)^2, and g = sqrt(D) falls below its chord by at most
+ * width^2 / 8 H''(low) / (2 inf g). Ratios of linear functions lie between their ends, and the norm over channels
+ * of positive parts is convex, so   J <= (sqrt(max J at the ends) + delta |r|)^2 / shrink^2.
+ */
+#include "many_fast.h"
+
+#include <math.h>
+
+#include "fit.h"
+#include "geometry.h"
+#include "isa.h"
+#include "kernel_exp.h"
+#include "kernel_log.h"
+#include "tolerance.h"
+
+/* Tables grow with these; beyond, the general path is the better one. */
+#define MOST_DISTINCT 512u
+#define MOST_SAMPLES 8192u
+#define MOST_CHANNELS 32u
+#define MOST_WINDOWS 64u
+/* Width of a window in theta: the error of its polynomials, about 1e-8 |I|, falls with its 8th power. */
+#define WINDOW 0.375
+/* Largest c_min s: y stays far from overflow (fit_domain.c). */
+#define MOST_EXPONENT 200.0
+/* Rounding of polynomial coefficients and their use, in u relative to the largest value. */
+#define ROUNDING 4096.0
+
+int brdffit_many_fast_possible(const brdffit_options *o)
+{
+    return o->norm == BRDFFIT_NORM_L2 && o->engine == BRDFFIT_ENGINE_MOMENT && o->lobes == 1 &&
+           brdffit_family_of(o->distribution)->exponential && o->sigma_resolution == 0.0 && o->box_budget >= 1000;
+}
+
+static size_t least(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
+
+void brdffit_many_fast_layout(struct many_fast *f, struct arena *arena, size_t count)
+{
+    size_t m = PADDED(least(count, MOST_DISTINCT)), nodes = PADDED(MOST_WINDOWS + 1);
+
+    f->sample = brdffit_arena_take(arena, count, sizeof *f->sample);
+    f->begin = brdffit_arena_take(arena, m + 1, sizeof *f->begin);
+    f->a = ARENA_DOUBLES(arena, count);
+    f->b = ARENA_DOUBLES(arena, count);
+    f->factor = ARENA_DOUBLES(arena, count);
+    f->radiance = ARENA_DOUBLES(arena, count);
+    f->c = ARENA_DOUBLES(arena, m);
+    f->bb = ARENA_DOUBLES(arena, m);
+    f->ab = ARENA_DOUBLES(arena, m);
+    f->phi = ARENA_DOUBLES(arena, nodes * m);
+    f->inverse_d = ARENA_DOUBLES(arena, nodes);
+    f->shape = ARENA_DOUBLES(arena, MOST_WINDOWS * m * MANY_TERMS);
+    f->window = brdffit_arena_take(arena, MOST_WINDOWS, sizeof *f->window);
+}
+
+void brdffit_many_tile_layout(struct many_tile *t, struct arena *arena, size_t count, size_t channels)
+{
+    size_t m = PADDED(least(count, MOST_DISTINCT)), nodes = PADDED(MOST_WINDOWS + 1);
+    size_t n = least(count, MOST_SAMPLES), K = least(channels, MOST_CHANNELS);
+
+    t->value = ARENA_DOUBLES(arena, n * K * LANES);
+    t->sum = ARENA_DOUBLES(arena, K * m * LANES);
+    t->gain = ARENA_DOUBLES(arena, nodes * LANES);
+    t->scale = ARENA_DOUBLES(arena, K * LANES);
+    t->omega = ARENA_DOUBLES(arena, K * LANES);
+    t->ii = ARENA_DOUBLES(arena, K * LANES);
+    t->x = ARENA_DOUBLES(arena, K * LANES);
+    t->y = ARENA_DOUBLES(arena, K * LANES);
+    t->n = ARENA_DOUBLES(arena, K * MANY_TERMS * LANES);
+    t->work = ARENA_DOUBLES(arena, K * (MANY_TERMS + 4));
+    t->phi = ARENA_DOUBLES(arena, m * LANES);
+    t->scan.largest = ARENA_DOUBLES(arena, K * LANES);
+    t->scan.magnitude = ARENA_DOUBLES(arena, K * LANES);
+}
+
+void brdffit_many_fast_scratch(struct reduced *r, double **values, struct arena *arena, size_t count)
+{
+    brdffit_reduce_layout(r, arena, count, 1);
+    *values = ARENA_DOUBLES(arena, count);
+}
+
+/* ---- functions of s ---- */
+
+/* |b phi - u a / |a||^2 from the samples themselves: no cancellation. *h, *u: H and u, or NULL. */
+static double d_of(const struct many_fast *f, double s, double *u_of_s)
+{
+    double u = 0.0, d = 0.0;
+    size_t m, i;
+
+    for (m = 0; m < f->distinct; m++) {
+        u += f->ab[m] * kernel_exp(-f->c[m] * s);
+    }
+    for (m = 0; m <= f->distinct; m++) {
+        double phi = m < f->distinct ? kernel_exp(-f->c[m] * s) : 0.0;
+        size_t end = m < f->distinct ? f->begin[m + 1] : f->used;
+
+        for (i = f->begin[m]; i < end; i++) {
+            double rest = f->b[i] * phi - (f->root_a > 0.0 ? u * (f->a[i] / f->root_a) : 0.0);
+
+            d += rest * rest;
+        }
+    }
+    *u_of_s = u;
+    return d;
+}
+
+/* Coefficients in t of the polynomial through value[j] at t_j = cos((2 j + 1) pi / 16). */
+static void interpolate(const double value[MANY_TERMS], double coefficient[MANY_TERMS])
+{
+    static const double cosine[33] = {/* cos(j pi / 16) */
+        1.0, 0.98078528040323044, 0.92387953251128674, 0.83146961230254524, 0.70710678118654752,
+        0.55557023301960222, 0.38268343236508977, 0.19509032201612827, 0.0, -0.19509032201612827,
+        -0.38268343236508977, -0.55557023301960222, -0.70710678118654752, -0.83146961230254524,
+        -0.92387953251128674, -0.98078528040323044, -1.0, -0.98078528040323044, -0.92387953251128674,
+        -0.83146961230254524, -0.70710678118654752, -0.55557023301960222, -0.38268343236508977,
+        -0.19509032201612827, 0.0, 0.19509032201612827, 0.38268343236508977, 0.55557023301960222,
+        0.70710678118654752, 0.83146961230254524, 0.92387953251128674, 0.98078528040323044, 1.0};
+    double t0[MANY_TERMS] = {1.0}, t1[MANY_TERMS] = {0.0, 1.0};
+    size_t i, j, q;
+
+    for (i = 0; i < MANY_TERMS; i++) {
+        coefficient[i] = 0.0;
+    }
+    for (q = 0; q < MANY_TERMS; q++) {
+        double chebyshev = 0.0;
+
+        for (j = 0; j < MANY_TERMS; j++) {
+            chebyshev += value[j] * cosine[(q * (2 * j + 1)) % 32];
+        }
+        chebyshev *= q ? 0.25 : 0.125;
+        for (i = 0; i < MANY_TERMS; i++) { /* t0 is T_q: multiply, then step the recurrence */
+            coefficient[i] += chebyshev * t0[i];
+        }
+        {
+            double next[MANY_TERMS];
+
+            for (i = 0; i < MANY_TERMS; i++) {
+                next[i] = (i ? 2.0 * t1[i - 1] : 0.0) - t0[i];
+            }
+            for (i = 0; i < MANY_TERMS; i++) {
+                t0[i] = t1[i];
+                t1[i] = next[i];
+            }
+        }
+    }
+}
+
+static double node_place(size_t j)
+{
+    static const double cosine[4] = {0.98078528040323044, 0.83146961230254524, 0.55557023301960222,
+                                     0.19509032201612827};
+
+    return j < 4 ? cosine[j] : -cosine[7 - j];
+}
+
+static double magnitude(const double coefficient[MANY_TERMS])
+{
+    double sum = 0.0;
+    size_t j;
+
+    for (j = 0; j < MANY_TERMS; j++) {
+        sum += fabs(coefficient[j]);
+    }
+    return sum;
+}
+
+/* sup over [-1, 1] of |third derivative| / 6. */
+static double third(const double coefficient[MANY_TERMS])
+{
+    static const double binomial[MANY_TERMS] = {0.0, 0.0, 0.0, 1.0, 4.0, 10.0, 20.0, 35.0};
+    double sum = 0.0;
+    size_t j;
+
+    for (j = 0; j < MANY_TERMS; j++) {
+        sum += binomial[j] * fabs(coefficient[j]);
+    }
+    return sum * (1.0 + TOL_CURVATURE);
+}
+
+static double eighth_power(double x)
+{
+    double x2 = x * x, x4 = x2 * x2;
+
+    return x4 * x4;
+}
+
+/* exp(-c_m s) over window w, and the errors of it, n and u. */
+static void fill_shapes(struct many_fast *f, size_t w, double snapped)
+{
+    struct many_window *window = &f->window[w];
+    double low = window->center - window->radius, high = window->center + window->radius;
+    double n2 = 0.0, u = 0.0;
+    size_t m, j;
+
+    for (m = 0; m < f->distinct; m++) {
+        double *shape = f->shape + (w * f->distinct + m) * MANY_TERMS, value[MANY_TERMS], error, size;
+        double x = f->c[m] * window->radius, phi = kernel_exp(-f->c[m] * low);
+
+        for (j = 0; j < MANY_TERMS; j++) {
+            value[j] = kernel_exp(-f->c[m] * (window->center + window->radius * node_place(j)));
+        }
+        interpolate(value, shape);
+        size = fmax(phi, magnitude(shape));
+        error = 1.01 * phi * eighth_power(x) / 5160960.0 +
+                size * (TOL_UNIT * (ROUNDING + 8.0 * f->c[m] * high + 4.0 * (double)f->used) +
+                        2.0 * snapped * f->c[m] * high);
+        n2 += f->bb[m] * (error * error);
+        u += f->ab[m] * error;
+    }
+    window->n_error = 1.01 * sqrt(n2);
+    window->u_error = 1.01 * u;
+}
+
+/* D and u over window w. */
+static void fill_geometry(struct many_fast *f, size_t w, double snapped)
+{
+    struct many_window *window = &f->window[w];
+    double d[MANY_TERMS], u[MANY_TERMS], low = window->center - window->radius;
+    double high = window->center + window->radius;
+    double h8 = 0.0, u8 = 0.0, u0 = 0.0, h = 0.0, largest = 0.0;
+    size_t j, m;
+
+    for (j = 0; j < MANY_TERMS; j++) {
+        d[j] = d_of(f, window->center + window->radius * node_place(j), &u[j]);
+    }
+    interpolate(d, window->d);
+    interpolate(u, window->u);
+    for (m = 0; m < f->distinct; m++) {
+        double phi = kernel_exp(-f->c[m] * low), x8 = eighth_power(f->c[m] * window->radius);
+
+        h += f->bb[m] * phi * phi;
+        h8 += 256.0 * x8 * f->bb[m] * phi * phi;
+        u8 += x8 * f->ab[m] * phi;
+        u0 += f->ab[m] * phi;
+        largest = fmax(largest, f->c[m] * high * phi);
+    }
+    window->d_error = 1.01 * (h8 + 256.0 * u8 * u0) / 5160960.0 +
+                      (h + u0 * u0 + magnitude(window->d)) *
+                          (TOL_UNIT * (ROUNDING + 16.0 * largest + 4.0 * (double)f->used) + 4.0 * snapped * largest);
+    window->d_third = third(window->d);
+    window->u_third = third(window->u);
+}
+
+/* How a window is screened from its ends, whose D are given. */
+static void fill_screen(struct many_fast *f, size_t w, double d_low, double d_high)
+{
+    struct many_window *window = &f->window[w];
+    double low = window->center - window->radius, width = 2.0 * window->radius;
+    double eighth = 1.01 * width * width / 8.0, h4 = 0.0, h2 = 0.0, d_inf, g;
+    size_t m;
+
+    for (m = 0; m < f->distinct; m++) {
+        double c2 = f->c[m] * f->c[m], phi = kernel_exp(-f->c[m] * low);
+
+        h4 += f->bb[m] * (c2 * c2) * (phi * phi);
+        h2 += 4.0 * f->bb[m] * c2 * (phi * phi);
+    }
+    d_inf = fmin(d_low, d_high) - eighth * h2;
+    window->delta = 0.0;
+    window->shrink = -1.0;
+    if (d_inf > 0.0) {
+        g = sqrt(fmin(d_low, d_high));
+        window->delta = eighth * sqrt(h4) / g + TOL_CURVATURE;
+        window->shrink = 1.0 - eighth * h2 / (2.0 * sqrt(d_inf)) / g - TOL_CURVATURE;
+    }
+}
+
+/* ---- the plan ---- */
+
+/* What turns a value of sample i, which counts, into radiance. */
+static double radiance_of(const brdffit_samples *geometry, brdffit_distribution distribution, size_t i)
+{
+    struct geometry g = {0.0, 0.0, 0.0, 1.0};
+    brdffit_status status;
+
+    if (geometry->quantity == BRDFFIT_QUANTITY_RADIANCE) {
+        return 1.0;
+    }
+    (void)brdffit_geometry_sample(geometry, distribution, 0.0, i, &g, &status, NULL);
+    return g.cos_light;
+}
+
+/* Samples in order of c, their sums, scales. */
+static void keep_samples(struct many_fast *f, const struct reduced *r, const brdffit_samples *geometry,
+                         brdffit_distribution distribution)
+{
+    size_t place, m = 0;
+
+    f->used = r->used;
+    f->channels = geometry->channels;
+    f->distinct = r->distinct;
+    f->root_a = sqrt(r->aa);
+    f->c_min = r->c_min;
+    f->scale_a = r->scale_a;
+    f->scale_b = r->scale_b;
+    f->scale_w = r->scale_w;
+    f->slack = TOL_UNIT * (8.0 * (TOL_MOMENT_BASE + (double)r->used) + 2.0 * TOL_GAIN);
+    for (place = 0; place < r->used; place++) {
+        uint32_t j = r->order[place];
+
+        while (m < r->distinct && r->sample_c[j] - r->c_min > r->c[m]) {
+            f->begin[++m] = (uint32_t)place;
+        }
+        f->sample[place] = r->sample[j];
+        f->a[place] = r->sample_a[j];
+        f->b[place] = r->sample_b[j];
+        f->factor[place] = r->sample_factor[j];
+        f->radiance[place] = radiance_of(geometry, distribution, r->sample[j]);
+    }
+    f->begin[0] = 0;
+    while (m < r->distinct) {
+        f->begin[++m] = (uint32_t)place;
+    }
+    for (m = 0; m < PADDED(f->distinct); m++) {
+        f->c[m] = r->c[m];
+        f->bb[m] = r->bb[m];
+        f->ab[m] = f->root_a > 0.0 ? r->linear[m] / f->root_a : 0.0;
+    }
+}
+
+/* Nodes and windows over [theta_low, theta_high]; 0 when D is lost in rounding somewhere. */
+static int fill_tables(struct many_fast *f, double theta_low, double theta_high, double snapped)
+{
+    double d_before = 0.0, s_before = 0.0;
+    size_t w, m, node;
+
+    for (node = 0; node <= f->windows; node++) {
+        double s = kernel_exp(node == f->windows ? theta_high
+                                                 : theta_low + (theta_high - theta_low) *
+                                                                   ((double)node / (double)f->windows));
+        double u, d = d_of(f, s, &u);
+
+        if (!(d > 1e-6 * (d + u * u))) {
+            return 0;
+        }
+        f->inverse_d[node] = 1.0 / d;
+        for (m = 0; m < f->distinct; m++) {
+            f->phi[(node / LANES * f->distinct + m) * LANES + node % LANES] = kernel_exp(-f->c[m] * s);
+        }
+        if (node > 0) {
+            w = node - 1;
+            f->window[w].center = 0.5 * (s_before + s);
+            f->window[w].radius = 0.5 * (s - s_before) * (1.0 + 1e-15); /* covers its ends whatever was rounded */
+            fill_shapes(f, w, snapped);
+            fill_geometry(f, w, snapped);
+            fill_screen(f, w, d_before, d);
+        } else {
+            f->s_low = s;
+        }
+        d_before = d;
+        s_before = s;
+    }
+    for (; node < f->nodes; node++) {
+        f->inverse_d[node] = 0.0;
+        for (m = 0; m < f->distinct; m++) {
+            f->phi[(node / LANES * f->distinct + m) * LANES + node % LANES] = 0.0;
+        }
+    }
+    return 1;
+}
+
+int brdffit_many_fast_start(struct many_fast *f, const brdffit_samples *geometry, const brdffit_options *o,
+                            struct reduced *r, double *values)
+{
+    const struct family *family = brdffit_family_of(o->distribution);
+    brdffit_samples samples = *geometry;
+    double theta_low, theta_high, tail;
+    size_t i;
+
+    for (i = 0; i < geometry->count; i++) {
+        values[i] = 0.0;
+    }
+    samples.values = values;
+    samples.channels = 1;
+    if (geometry->channels > MOST_CHANNELS || brdffit_reduce(r, &samples, o, NULL) != BRDFFIT_OK ||
+        r->distinct > MOST_DISTINCT || r->distinct < 2 || r->used > MOST_SAMPLES || !(r->bb[0] > 0.0)) {
+        return 0;
+    }
+    theta_low = family->by_exponent ? kernel_log(o->exponent_min) : -2.0 * kernel_log(o->sigma_max);
+    theta_high = family->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min);
+    tail = family->tail(r->c, r->bb, r->distinct, r->c_min);
+    if (!(tail > 0.0 && isfinite(tail))) {
+        return 0;
+    }
+    theta_high = fmin(theta_high, kernel_log(tail));
+    if (!(theta_high > theta_low && r->c_min * kernel_exp(theta_high) <= MOST_EXPONENT)) {
+        return 0;
+    }
+    f->family = family;
+    f->windows = (size_t)fmin(fmax(1.0, ceil((theta_high - theta_low) / WINDOW)), (double)MOST_WINDOWS);
+    f->nodes = PADDED(f->windows + 1);
+    keep_samples(f, r, geometry, o->distribution);
+    return fill_tables(f, theta_low, theta_high, r->snapped);
+}
+
+const struct many_kernels *brdffit_many_kernels(brdffit_isa isa)
+{
+    isa = brdffit_isa_resolve(isa);
+    switch (isa) {
+#ifdef BRDFFIT_HAVE_AVX2
+    case BRDFFIT_ISA_AVX2:
+        return &brdffit_many_kernels_avx2;
+#endif
+#ifdef BRDFFIT_HAVE_AVX512
+    case BRDFFIT_ISA_AVX512:
+        return &brdffit_many_kernels_avx512;
+#endif
+    default:
+        return &brdffit_many_kernels_base;
+    }
+}

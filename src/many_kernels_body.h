@@ -1,0 +1,244 @@
+/*
+ * Tiles of texels from data to proof: see many_fast.c for the mathematics. Included by many_kernels_base.c, _avx2.c
+ * and _avx512.c, which differ only in the instruction set that they are compiled for; MANY_KERNELS names the table.
+ * A texel's lane never depends on another's. Layer 5. SPDX-License-Identifier: MIT
+ */
+#include <math.h>
+
+#include "many_fast.h"
+#include "many_lanes_climb.h"
+#include "many_lanes_sums.h"
+
+#include "many_lanes_bound.h"
+
+/* Better valleys that a proof may meet before the general path takes over. */
+#define ATTEMPTS 5
+
+struct tile_state {
+    struct climb climb;
+    double s[MANY_TILE], e2[MANY_TILE];      /* of the last evaluation */
+    double best[MANY_TILE], best_s[MANY_TILE]; /* incumbents */
+    double total[MANY_TILE], rest[MANY_TILE];  /* sum |I|^2, and less sum omega^2 */
+    unsigned char pending[MANY_TILE];
+};
+
+/* The window on that side of the best node where the next node is better. */
+static void choose_start(const struct many_fast *f, const struct many_tile *tile, struct climb *c, size_t lane)
+{
+    const double *gain = tile->gain + lane;
+    size_t j, top = 0;
+    double left, right;
+
+    for (j = 1; j <= f->windows; j++) {
+        top = gain[j * LANES] > gain[top * LANES] ? j : top;
+    }
+    left = top > 0 ? gain[(top - 1) * LANES] : -1.0;
+    right = top < f->windows ? gain[(top + 1) * LANES] : -1.0;
+    c->window[lane] = right >= left ? top : top - 1;
+    c->t[lane] = right >= left ? -1.0 : 1.0;
+}
+
+static lanes_mask mask_of(const unsigned char *flag)
+{
+    lanes_mask m;
+    size_t l;
+
+    for (l = 0; l < LANES; l++) {
+        m[l] = flag[l] ? -1 : 0;
+    }
+    return m;
+}
+
+/* Climb from where the pending texels are, over at most three windows; the point reached into state->s. */
+static void climb_tile(const struct many_fast *f, struct many_tile *tile, struct tile_state *st)
+{
+    struct climb *c = &st->climb;
+    unsigned char active[MANY_TILE];
+    size_t l;
+    int round, any = 1;
+
+    for (l = 0; l < LANES; l++) {
+        active[l] = st->pending[l];
+    }
+    for (round = 0; round < 3 && any; round++) {
+        lanes_mask mask = mask_of(active);
+
+        for (l = 0; l < LANES; l++) {
+            if (active[l]) {
+                enter_window(f, tile, c, l);
+            }
+        }
+        climb_window(f, tile, c, &mask);
+        for (l = 0, any = 0; l < LANES; l++) {
+            int up = active[l] && c->t[l] >= 1.0 && c->slope[l] > 0.0 && c->window[l] + 1 < f->windows;
+            int down = active[l] && c->t[l] <= -1.0 && c->slope[l] < 0.0 && c->window[l] > 0;
+
+            active[l] = (unsigned char)(round < 2 && (up || down));
+            if (active[l]) {
+                c->window[l] = up ? c->window[l] + 1 : c->window[l] - 1;
+                c->t[l] = up ? -1.0 : 1.0;
+                any = 1;
+            }
+        }
+    }
+    for (l = 0; l < LANES; l++) {
+        const struct many_window *w = &f->window[c->window[l]];
+
+        if (st->pending[l]) {
+            st->s[l] = w->center + w->radius * c->t[l];
+        }
+    }
+}
+
+/* Windows that their end nodes do not discard: bit w. */
+static uint64_t screen(const struct many_fast *f, const struct many_tile *tile, size_t lane, double gamma, double rest,
+                       double rounding)
+{
+    double root = sqrt(fmax(gamma, 0.0)), r = sqrt(rest + rounding);
+    uint64_t left = 0;
+    size_t w;
+
+    for (w = 0; w < f->windows; w++) {
+        const struct many_window *window = &f->window[w];
+        double threshold = window->shrink * root - window->delta * r;
+        double gain = fmax(tile->gain[w * LANES + lane], tile->gain[(w + 1) * LANES + lane]) + rounding;
+
+        left |= (uint64_t)!(threshold > 0.0 && gain <= threshold * threshold) << w;
+    }
+    return left;
+}
+
+static double third_of(const double *c)
+{
+    static const double binomial[MANY_TERMS] = {0.0, 0.0, 0.0, 1.0, 4.0, 10.0, 20.0, 35.0};
+    double sum = 0.0;
+    size_t j;
+
+    for (j = 3; j < MANY_TERMS; j++) {
+        sum += binomial[j] * fabs(c[j]);
+    }
+    return sum * (1.0 + TOL_CURVATURE);
+}
+
+/* Bound every window that is left of one texel: 1 proven, 0 not; -1: a better point is where the climb now starts. */
+static int prove(const struct many_fast *f, struct many_tile *tile, struct tile_state *st, size_t lane, double gamma)
+{
+    size_t K = f->channels, k, w, calls = 0;
+    double *omega = tile->work + K * MANY_TERMS, *norm = omega + K, *third = norm + K;
+    double incumbent = st->rest[lane] - st->best[lane];
+    struct bound_texel b = {f, NULL, tile->work, omega, norm, third, gamma, f->slack, 0.0, 0.0};
+    uint64_t left = screen(f, tile, lane, gamma, st->rest[lane], f->slack * st->total[lane]);
+    int proven = 1;
+
+    for (k = 0; k < K; k++) {
+        omega[k] = tile->omega[k * LANES + lane];
+        norm[k] = sqrt(tile->ii[k * LANES + lane]);
+    }
+    for (w = 0; w < f->windows && proven; w++) {
+        if (!(left >> w & 1)) {
+            continue;
+        }
+        b.window = &f->window[w];
+        window_data(f, tile, w, lane, tile->work);
+        for (k = 0; k < K; k++) {
+            third[k] = third_of(tile->work + k * MANY_TERMS);
+        }
+        b.best = incumbent + f->slack * st->total[lane] + 2e-7 * fmax(st->best[lane], 0.0);
+        proven = bound_window(&b, &calls);
+        if (b.best > incumbent + f->slack * st->total[lane] + 2e-7 * fmax(st->best[lane], 0.0)) {
+            st->climb.window[lane] = w;
+            st->climb.t[lane] = b.best_t;
+            proven = -1;
+            break;
+        }
+    }
+    tile->outcome[lane].boxes += f->windows + calls * LANES;
+    return proven;
+}
+
+/* Target and proof of one pending texel whose incumbent is up to date. */
+static void certify(const struct many_fast *f, const struct many_rules *rules, struct many_tile *tile,
+                    struct tile_state *st, size_t lane, int last)
+{
+    struct many_outcome *out = &tile->outcome[lane];
+    double total = st->total[lane], relative, absolute, level;
+    int proven;
+
+    relative = st->best[lane] / (1.0 + rules->relative_gap) * (1.0 + 8.0 * TOL_UNIT);
+    absolute = st->best[lane] - rules->absolute_gap * total * (1.0 - 8.0 * TOL_UNIT);
+    level = fmin(relative, absolute);
+    proven = level <= 0.0 ? 1 : prove(f, tile, st, lane, st->rest[lane] - level - f->slack * total);
+    if (proven < 0 && !last) {
+        return;
+    }
+    st->pending[lane] = 0;
+    out->certified = proven > 0;
+    out->absolute = absolute < relative;
+    out->s = st->best_s[lane];
+    out->e2 = st->best[lane];
+    out->lower_bound = fmax(level, 0.0);
+    out->total = total;
+}
+
+static void start_tile(const struct many_fast *f, struct many_tile *tile, struct tile_state *st,
+                       const unsigned char *live)
+{
+    size_t l, k;
+
+    for (l = 0; l < LANES; l++) {
+        st->pending[l] = live[l];
+        st->best[l] = INFINITY;
+        st->s[l] = f->window[0].center;
+        st->total[l] = st->rest[l] = 0.0;
+        tile->outcome[l].certified = 0;
+        tile->outcome[l].boxes = 0;
+        tile->outcome[l].nodes = f->windows + 1;
+        for (k = 0; k < f->channels; k++) {
+            double omega = tile->omega[k * LANES + l];
+
+            st->total[l] += tile->ii[k * LANES + l];
+            st->rest[l] += tile->ii[k * LANES + l] - omega * omega;
+        }
+        choose_start(f, tile, &st->climb, l);
+        enter_window(f, tile, &st->climb, l);
+    }
+}
+
+static void fit_tile(const struct many_fast *f, const struct many_rules *rules, struct many_tile *tile,
+                     const unsigned char *live)
+{
+    struct tile_state st;
+    size_t l, k, K = f->channels;
+    int attempt, any = 1;
+
+    weigh(f, tile);
+    sum_texels(f, tile);
+    node_gains(f, tile);
+    start_tile(f, tile, &st, live);
+    for (attempt = 0; attempt < ATTEMPTS && any; attempt++) {
+        double *x = tile->n, *y = tile->n + K * LANES; /* the climb is done with n */
+
+        climb_tile(f, tile, &st);
+        evaluate(f, tile, st.s, x, y, st.e2);
+        for (l = 0, any = 0; l < LANES; l++) {
+            if (!st.pending[l]) {
+                continue;
+            }
+            if (st.e2[l] < st.best[l]) {
+                st.best[l] = st.e2[l];
+                st.best_s[l] = st.s[l];
+                for (k = 0; k < K; k++) {
+                    tile->x[k * LANES + l] = x[k * LANES + l];
+                    tile->y[k * LANES + l] = y[k * LANES + l];
+                }
+            }
+            certify(f, rules, tile, &st, l, attempt + 1 == ATTEMPTS);
+            any = any || st.pending[l];
+        }
+    }
+}
+
+const struct many_kernels MANY_KERNELS = {
+    load_tile,
+    fit_tile,
+};

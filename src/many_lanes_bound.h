@@ -1,0 +1,145 @@
+/*
+ * The proof: no s of a window gains more than Gamma. Part of many_kernels_body.h; lanes are pieces of the window of
+ * one texel. Layer 5. SPDX-License-Identifier: MIT
+ *
+ * On a piece |t - t0| <= h write each polynomial f0 + f1 d + f2 d^2 + e, d = t - t0, with |e| <= sup |f'''| / 6 h^3
+ * plus the error of the polynomial itself. With lambda_k >= 0 of t0 (many_fast.c) and v = n_k - lambda_k u,
+ * |v| <= S:
+ *
+ *     max(0, v)^2 <= (v0 + v1 d + v2 d^2)^2 + 2 S e   when v0 > 0; 0 when v <= 0 all over; else (sup v)^2
+ *
+ * so that   sum max(0, v)^2 - G D <= A0 + A1 d + A2 d^2 + A3,   G = Gamma - sum lambda (2 omega + lambda),
+ *
+ * where A3 takes everything of third order. Its maximum over |d| <= h in closed form is the bound: right to third
+ * order, so that near the optimum, where the gain falls with d^2, pieces of a fixed small share of d suffice. Where
+ * x = 0 the fixed lambda costs a term of second order, which the next cut makes 64 times smaller. A piece that is
+ * not discarded is cut into eight.
+ */
+#ifndef BRDFFIT_MANY_LANES_BOUND_H
+#define BRDFFIT_MANY_LANES_BOUND_H
+
+#include "many_fast.h"
+#include "tolerance.h"
+
+/* Pieces waiting to be cut, and calls for one texel, before the general path takes over. */
+#define WAITING 64
+#define MOST_CALLS 300
+
+struct bound_texel {
+    const struct many_fast *fast;
+    const struct many_window *window;
+    const double *n;      /* K x MANY_TERMS */
+    const double *omega, *norm, *third; /* K: omega, |I_k|, sup |n'''| / 6 */
+    double gamma, slack;
+    double best, best_t;  /* gain at the centre of pieces: above the incumbent's, the climb was in the wrong valley */
+};
+
+/* c: MANY_TERMS scalars. */
+LANES_INLINE struct taylor taylor_at(const double *c, lanes t)
+{
+    struct taylor p = {lanes_set(c[7]), lanes_set(0.0), lanes_set(0.0)};
+    int j;
+
+    for (j = 6; j >= 0; j--) {
+        p.f2 = p.f2 * t + p.f1;
+        p.f1 = p.f1 * t + p.f0;
+        p.f0 = p.f0 * t + c[j];
+    }
+    return p;
+}
+
+/* The eight pieces of [t - 8 h, t + 8 h]: bit l set when piece l is not discarded. */
+static unsigned bound_pieces(struct bound_texel *b, double middle, double half, double centers[LANES])
+{
+    const struct many_window *w = b->window;
+    const lanes place = {-7.0, -5.0, -3.0, -1.0, 1.0, 3.0, 5.0, 7.0};
+    double reach = half * (1.0 + 1e-9), h2 = reach * reach, h3 = h2 * reach;
+    lanes t = lanes_set(middle) + place * half, zero = lanes_set(0.0), h = lanes_set(reach);
+    struct taylor d = taylor_at(w->d, t), u = taylor_at(w->u, t);
+    lanes hh = d.f0 + u.f0 * u.f0, a0 = zero, a1 = zero, a2 = zero, a3 = zero, lifted = zero, size = zero, gained = zero;
+    lanes d_error = lanes_set(w->d_third * h3 + w->d_error), g, sup, gain;
+    double u_error = w->u_third * h3 + w->u_error;
+    lanes_mask keep;
+    unsigned left = 0;
+    size_t k;
+    int l;
+
+    for (k = 0; k < b->fast->channels; k++) {
+        struct taylor n = taylor_at(b->n + k * MANY_TERMS, t);
+        lanes omega = lanes_set(b->omega[k]);
+        lanes x = u.f0 * lanes_max(n.f0 + omega * u.f0, zero) / hh - omega;
+        lanes lambda = lanes_max(x, zero);
+        lanes v0 = n.f0 - lambda * u.f0, v1 = n.f1 - lambda * u.f1, v2 = n.f2 - lambda * u.f2;
+        lanes e = b->third[k] * h3 + w->n_error * b->norm[k] + lambda * u_error;
+        lanes spread = lanes_abs(v1) * h + lanes_abs(v2) * h2 + e, s = lanes_abs(v0) + spread;
+        lanes top = lanes_max(v0 + spread, zero), positive = lanes_max(v0, zero);
+        lanes_mask square = v0 > zero;
+
+        a0 += lanes_select(square, v0 * v0 + 2.0 * s * e, top * top);
+        a1 += lanes_select(square, 2.0 * v0 * v1, zero);
+        a2 += lanes_select(square, v1 * v1 + 2.0 * v0 * v2, zero);
+        a3 += lanes_select(square, 2.0 * lanes_abs(v1 * v2) * h3 + v2 * v2 * (h2 * h2), zero);
+        lifted += lambda * (2.0 * omega + lambda);
+        size += s * s + (lambda * lambda + omega * omega) * hh;
+        gained += positive * positive;
+    }
+    g = b->gamma - lifted;
+    a3 += lanes_abs(g) * d_error + b->slack * (size + lanes_abs(g) * hh + b->gamma * hh);
+    a0 -= g * d.f0;
+    a1 -= g * d.f1;
+    a2 -= g * d.f2;
+    {
+        lanes_mask inside = (a2 < zero) & (lanes_abs(a1) < -2.0 * a2 * h);
+        lanes end = a0 + lanes_abs(a1) * h + a2 * h2;
+
+        sup = lanes_select(inside, a0 - a1 * a1 / (4.0 * lanes_min(a2, lanes_set(-1e-300))), end) + a3;
+    }
+    keep = ~(sup <= zero);
+    gain = gained / d.f0 + lifted;
+    lanes_store(centers, t);
+    for (l = 0; l < (int)LANES; l++) {
+        if (keep[l]) {
+            left |= 1u << l;
+            if (gain[l] > b->best) {
+                b->best = gain[l];
+                b->best_t = t[l];
+            }
+        }
+    }
+    return left;
+}
+
+/* Cut the window until everything is discarded: 1; 0 when that takes too long or a better point was met. */
+static int bound_window(struct bound_texel *b, size_t *calls)
+{
+    double middle[WAITING], half[WAITING], centers[LANES], incumbent = b->best;
+    int waiting = 1, l;
+
+    middle[0] = 0.0;
+    half[0] = 1.0;
+    while (waiting > 0) {
+        double m = middle[--waiting], h = half[waiting] / LANES;
+        unsigned left;
+
+        if (++*calls > MOST_CALLS) {
+            return 0;
+        }
+        left = bound_pieces(b, m, h, centers);
+        if (b->best > incumbent) {
+            return 0;
+        }
+        for (l = 0; left && l < (int)LANES; l++) {
+            if (!(left & (1u << l))) {
+                continue;
+            }
+            if (waiting >= WAITING || h < 1e-9) {
+                return 0;
+            }
+            middle[waiting] = centers[l];
+            half[waiting++] = h;
+        }
+    }
+    return 1;
+}
+
+#endif
