@@ -206,6 +206,21 @@ def test_interrupted(tmp_path):
     assert "earlier" not in done.stdout and not (tmp_path / "m.npz.brdffit-work").exists()
 
 
+def test_shards(desk):
+    """Parts, in any order and twice, then the same command without --shard: the bytes of one run."""
+    command = ["stack.npy", "-g", "geometry.csv", "--tile", "1"]
+    stacks.run(desk, *command, "-o", "whole.npz")
+    command += ["-o", "m.npz"]
+    for part, there in [("3/4", 1), ("1/4", 3), ("1/4", 3), ("2/4", 5)]:
+        done = stacks.run(desk, *command, "--shard", part)
+        assert "part %s is done; %d of 6 tiles" % (part, there) in done.stdout and not (desk / "m.npz").exists()
+    done = stacks.run(desk, *command)  # part 4 is made up for
+    assert "5 of them from an earlier run" in " ".join(done.stdout.split())
+    assert (desk / "m.npz").read_bytes() == (desk / "whole.npz").read_bytes()
+    for bad in ("0/4", "5/4", "4", "1/", "x/2"):
+        assert "--shard does not take '%s'" % bad in stacks.run(desk, *command, "--shard", bad, expect=2).stderr
+
+
 def test_locked(desk):
     """Two at once on one output would overwrite each other's tiles."""
     fcntl = pytest.importorskip("fcntl")

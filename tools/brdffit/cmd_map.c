@@ -203,11 +203,26 @@ static int finish(const cli_map *map, const cli_map_counts *counts)
     return counts->status[BRDFFIT_TEXEL_OPEN] > 0 ? CLI_EXIT_OPEN : 0;
 }
 
-static int interrupted(const cli_map *map)
+static size_t tiles_kept(const cli_map *map)
 {
     size_t kept = 0;
     for (size_t tile = 0; tile < map->tiles; tile++)
         kept += (size_t)brdffit_cli_map_has_tile(map, tile);
+    return kept;
+}
+
+/* A part is done; the maps need the others too. */
+static int finish_shard(const cli_map *map)
+{
+    if (!map->settings->quiet)
+        printf("%s: part %s is done; %zu of %zu tiles are in %s\n", map->settings->files[0], map->settings->shard,
+               tiles_kept(map), map->tiles, map->work);
+    return 0;
+}
+
+static int interrupted(const cli_map *map)
+{
+    const size_t kept = tiles_kept(map);
     fprintf(stderr, "brdffit: interrupted; %zu of %zu tiles are kept in %s: the same command goes on with them\n", kept,
             map->tiles, map->work);
     return CLI_EXIT_OPEN;
@@ -230,6 +245,8 @@ static int run(cli_map *map, const cli_settings *settings, const char *target)
     code = brdffit_cli_map_run(map, threads, &seconds, &texels);
     if (code == -1)
         return interrupted(map);
+    if (code == 0 && settings->shard != NULL)
+        return finish_shard(map);
     if (code == 0)
         code = brdffit_cli_map_write(map, target, &counts);
     if (code != 0)

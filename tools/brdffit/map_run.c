@@ -160,8 +160,10 @@ int brdffit_cli_map_run(cli_map *map, size_t threads, double *seconds, size_t *t
     p.done = calloc(map->tiles, 1);
     if (p.done == NULL)
         return brdffit_cli_no_memory();
-    for (size_t tile = 0; map->resumed > 0 && tile < map->tiles; tile++)
-        p.done[tile] = (unsigned char)brdffit_cli_map_has_tile(map, tile);
+    for (size_t tile = 0; tile < map->tiles; tile++) {
+        const int others = tile % map->settings->shard_count != map->settings->shard_index;
+        p.done[tile] = (unsigned char)(others || (map->resumed > 0 && brdffit_cli_map_has_tile(map, tile)));
+    }
     (void)pthread_mutex_init(&p.mutex, NULL);
     (void)pthread_cond_init(&p.changed, NULL);
     const double began = brdffit_cli_clock();

@@ -167,7 +167,7 @@ static int take_lock(cli_map *map)
     if (path == NULL)
         return brdffit_cli_no_memory();
     memset(&lock, 0, sizeof lock);
-    lock.l_type = F_WRLCK;
+    lock.l_type = map->settings->shard != NULL ? F_RDLCK : F_WRLCK; /* parts may work side by side */
     lock.l_whence = SEEK_SET;
     map->lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     int code = map->lock < 0 ? complain(path, "cannot create the lock") : 0;

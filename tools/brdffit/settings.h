@@ -51,6 +51,8 @@ typedef struct cli_settings {
     int srgb;
     int fresh;
     int stats;
+    const char *shard;  /* as given: I/N; NULL: all */
+    size_t shard_index, shard_count; /* I - 1, N */
     size_t tile;    /* rows; 0: by the size of a row */
     size_t threads; /* 0: as many as there are processors */
     const char **files; /* in the order given; the array is owned */
