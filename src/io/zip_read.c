@@ -14,6 +14,7 @@
 #include "fail.h"
 #include "limits.h"
 #include "memory.h"
+#include "zlib_memory.h"
 
 #define END 22
 #define LOCATOR 20
@@ -263,18 +264,6 @@ static brdffit_status locate(const struct io_store *store, const struct director
     return BRDFFIT_OK;
 }
 
-static void *zlib_alloc(void *unused, unsigned count, unsigned size)
-{
-    (void)unused;
-    return brdffit_io_alloc(count, size);
-}
-
-static void zlib_free(void *unused, void *block)
-{
-    (void)unused;
-    brdffit_io_release(block);
-}
-
 /* The room is that of the claimed size, which the packed one bounds: deflate shrinks at most 1032:1. */
 static brdffit_status inflate_all(const struct io_store *store, uint64_t from, const struct entry *e,
                                   unsigned char *out, brdffit_error *error)
@@ -284,9 +273,7 @@ static brdffit_status inflate_all(const struct io_store *store, uint64_t from, c
     z_stream z;
     int code;
 
-    memset(&z, 0, sizeof z);
-    z.zalloc = zlib_alloc;
-    z.zfree = zlib_free;
+    brdffit_io_zlib_start(&z);
     code = inflateInit2(&z, -MAX_WBITS);
     if (code != Z_OK) {
         return brdffit_io_no_memory(error);

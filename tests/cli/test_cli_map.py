@@ -4,6 +4,7 @@ SPDX-License-Identifier: MIT
 """
 import json
 import os
+import re
 import signal
 import subprocess
 import time
@@ -263,3 +264,73 @@ def test_pfm(desk):
     assert (got["status"] == maps["status"]).all()
     assert (got["e2"] >= maps["e2"]).all() and (got["lower_bound"] <= maps["lower_bound"]).all()
     assert np.allclose(got["e2"], maps["e2"], rtol=2e-7) and np.allclose(got["lower_bound"], maps["lower_bound"], rtol=2e-7)
+
+
+def test_terminal(tmp_path):
+    """On a terminal a line tells how far it is, how fast, and how long it will take; it is gone at the end."""
+    pty = pytest.importorskip("pty")
+    command = slow(tmp_path)
+    ours, theirs = pty.openpty()
+    process = subprocess.Popen([harness.BRDFFIT, "map", *command, "--threads", "1"], cwd=tmp_path, stderr=theirs,
+                               stdout=subprocess.PIPE, env=harness.environment(TERM="xterm"))
+    os.close(theirs)
+    seen = b""
+    while True:
+        try:
+            block = os.read(ours, 4096)
+        except OSError:  # the other side is closed
+            break
+        if not block:
+            break
+        seen += block
+    os.close(ours)
+    process.communicate(timeout=harness.PATIENCE)
+    assert process.returncode == 0
+    lines = seen.decode().split("\r")
+    assert re.match(r"\d+ of 432 texels, [\d.e+]+ texels/s, \d+ s left\033\[K$", lines[1]), lines
+    assert lines[-1] == "\033[K"
+
+
+def test_full_disk(desk):
+    """Nothing half-written under the output's name, and the reason."""
+    resource = pytest.importorskip("resource")
+    done = stacks.run(desk, "stack.npy", "-g", "geometry.csv", "-o", "m", expect=1,
+                      preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (300, 300)))
+    assert "cannot write" in done.stderr and not (desk / "m").exists()
+    assert not list((desk / "m.brdffit-work").glob("tile-*"))
+    stacks.run(desk, "stack.npy", "-g", "geometry.csv", "-o", "m", "--fresh")
+
+
+def test_directions_a_texel(desk):
+    """Lights and views that differ from texel to texel: each texel is that of a stack with its own directions."""
+    rng = np.random.default_rng(8)
+    light, view = np.load(desk / "lights.npy"), np.load(desk / "views.npy")
+    stack = np.load(desk / "stack.npy")[:, :2, :2]
+    lights = light[:, None, None] + rng.uniform(-0.02, 0.02, (84, 2, 2, 3))
+    views = view[:, None, None] + rng.uniform(-0.02, 0.02, (84, 2, 2, 3))
+    for name, array in {"s": stack, "l": lights, "v": views}.items():
+        np.save(desk / (name + ".npy"), array)
+    stacks.run(desk, "s.npy", "--lights", "l.npy", "--views", "v.npy", "-o", "m.npz")
+    maps = stacks.maps(desk / "m.npz")
+    for row, column in np.ndindex(2, 2):
+        line = single(desk, lights[:, row, column], views[:, row, column], stack[:, row, column].astype(float))
+        assert maps["sigma"][row, column].tolist() == line["sigma"]
+        assert maps["x"][row, column].tolist() == line["x"] and maps["e2"][row, column] == line["e2"]
+
+
+def test_weights(desk):
+    """A geometry with weights: those of `fit`."""
+    text = (desk / "geometry.csv").read_text().split()
+    (desk / "geometry.csv").write_text("\n".join([text[0] + ",weight"] + [line + ",%d" % (i % 3)
+                                                                         for i, line in enumerate(text[1:])]) + "\n")
+    stacks.run(desk, "stack.npy", "-g", "geometry.csv", "-o", "m.npz")
+    maps = stacks.maps(desk / "m.npz")
+    stacks.texel_csv(desk / "texel.csv", np.load(desk / "lights.npy"), np.load(desk / "views.npy"),
+                     np.load(desk / "stack.npy")[:, 3, 3].astype(float))
+    text = (desk / "texel.csv").read_text().split()
+    (desk / "texel.csv").write_text("\n".join([text[0] + ",weight"] + [line + ",%d" % (i % 3)
+                                                                      for i, line in enumerate(text[1:])]) + "\n")
+    line = harness.fit("texel.csv", cwd=desk)[0]
+    assert line["samples_skipped"]["zero_weight"] == 28
+    assert maps["lower_bound"][3, 3] <= line["e2"] and line["lower_bound"] <= maps["e2"][3, 3]
+    assert np.allclose(maps["sigma"][3, 3], line["sigma"], rtol=1e-4)
