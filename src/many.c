@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "fit.h"
 #include "geometry.h"
 
 void brdffit_texels_init(brdffit_texels *texels, const brdffit_plan *plan)
@@ -59,7 +60,7 @@ void brdffit_many_layout(struct many *many, struct arena *arena, const brdffit_o
     if (brdffit_many_fast_possible(options)) {
         brdffit_many_tile_layout(&many->tile, arena, samples, channels);
     }
-    many->fit_size = brdffit_workspace_size(samples, channels, options);
+    many->fit_size = brdffit_fit_workspace(samples, channels, options);
     many->fit = brdffit_arena_take(arena, many->fit_size, 1);
     if (many->fit_size == 0) {
         arena->failed = 1;
@@ -92,20 +93,39 @@ static brdffit_status check(const brdffit_plan *plan, const brdffit_texels *t, c
     return BRDFFIT_OK;
 }
 
+/* Three channels are what a camera has; any other number takes the second loop. */
+#define GATHER(type)                                                                                           \
+    do {                                                                                                       \
+        const type *from = (const type *)t->values + start;                                                    \
+                                                                                                               \
+        for (i = 0; i < samples && channels == 3; i++, from += t->sample_stride, values += 3) {                \
+            values[0] = (double)from[0] * scale;                                                               \
+            values[1] = (double)from[t->channel_stride] * scale;                                               \
+            values[2] = (double)from[2 * t->channel_stride] * scale;                                           \
+        }                                                                                                      \
+        for (; i < samples; i++, from += t->sample_stride, values += channels) {                               \
+            for (k = 0; k < channels; k++) {                                                                   \
+                values[k] = (double)from[(ptrdiff_t)k * t->channel_stride] * scale;                            \
+            }                                                                                                  \
+        }                                                                                                      \
+    } while (0)
+
 void brdffit_many_gather(const brdffit_texels *t, size_t texel, size_t samples, size_t channels, double *values)
 {
     ptrdiff_t start = (ptrdiff_t)texel * t->texel_stride;
+    double scale = t->scale;
     size_t i, k;
 
-    for (i = 0; i < samples; i++) {
-        for (k = 0; k < channels; k++) {
-            ptrdiff_t at = start + (ptrdiff_t)i * t->sample_stride + (ptrdiff_t)k * t->channel_stride;
-            double value = t->type == BRDFFIT_TYPE_DOUBLE  ? ((const double *)t->values)[at]
-                           : t->type == BRDFFIT_TYPE_FLOAT ? (double)((const float *)t->values)[at]
-                                                           : (double)((const unsigned short *)t->values)[at];
-
-            values[i * channels + k] = value * t->scale;
-        }
+    switch (t->type) {
+    case BRDFFIT_TYPE_FLOAT:
+        GATHER(float);
+        break;
+    case BRDFFIT_TYPE_UINT16:
+        GATHER(uint16_t);
+        break;
+    default:
+        GATHER(double);
+        break;
     }
 }
 
@@ -276,7 +296,7 @@ static void take(struct many *many, const brdffit_texels *texels, size_t texel, 
     many->slot[many->waiting++] = slot;
 }
 
-brdffit_status brdffit_fit_many(const brdffit_plan *plan, const brdffit_texels *texels,
+brdffit_status brdffit_many_run(const brdffit_plan *plan, const brdffit_texels *texels,
                                 const brdffit_texel_results *results, void *workspace, size_t workspace_size,
                                 brdffit_many_stats *stats, brdffit_error *error)
 {

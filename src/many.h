@@ -6,6 +6,7 @@
 
 #include "arena.h"
 #include "brdffit.h"
+#include "environment.h"
 #include "many_fast.h"
 
 struct brdffit_plan {
@@ -57,5 +58,15 @@ void brdffit_many_tile(struct many *many);
 /* Fit the texel whose values are given by brdffit_fit(). */
 void brdffit_many_general(const brdffit_plan *plan, struct many *many, const double *values,
                           struct many_result *result);
+
+/* The public functions without the change of the floating-point environment (entry.c calls them). */
+ENVIRONMENT_APART size_t brdffit_plan_bytes(const brdffit_samples *geometry, const brdffit_options *options);
+ENVIRONMENT_APART brdffit_status brdffit_plan_make(const brdffit_samples *geometry, const brdffit_options *options,
+                                                   void *memory, size_t size, const brdffit_plan **plan,
+                                                   brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_many_run(const brdffit_plan *plan, const brdffit_texels *texels,
+                                                  const brdffit_texel_results *results, void *workspace,
+                                                  size_t workspace_size, brdffit_many_stats *stats,
+                                                  brdffit_error *error);
 
 #endif

@@ -49,6 +49,8 @@
 #define MOST_EXPONENT 200.0
 /* Rounding of polynomial coefficients and their use, in u relative to the largest value. */
 #define ROUNDING 4096.0
+/* Pieces that D is compared with its chord on. */
+#define SCREEN_PIECES 32
 
 int brdffit_many_fast_possible(const brdffit_options *o)
 {
@@ -131,75 +133,69 @@ static double d_of(const struct many_fast *f, double s, double *u_of_s)
     return d;
 }
 
-/* Coefficients in t of the polynomial through value[j] at t_j = cos((2 j + 1) pi / 16). */
-static void interpolate(const double value[MANY_TERMS], double coefficient[MANY_TERMS])
+/* cos(j pi / (2 terms)), 8 or 12 terms, any j: the first quarter is tabulated. */
+static double cosine(size_t j, size_t terms)
 {
-    static const double cosine[33] = {/* cos(j pi / 16) */
-        1.0, 0.98078528040323044, 0.92387953251128674, 0.83146961230254524, 0.70710678118654752,
-        0.55557023301960222, 0.38268343236508977, 0.19509032201612827, 0.0, -0.19509032201612827,
-        -0.38268343236508977, -0.55557023301960222, -0.70710678118654752, -0.83146961230254524,
-        -0.92387953251128674, -0.98078528040323044, -1.0, -0.98078528040323044, -0.92387953251128674,
-        -0.83146961230254524, -0.70710678118654752, -0.55557023301960222, -0.38268343236508977,
-        -0.19509032201612827, 0.0, 0.19509032201612827, 0.38268343236508977, 0.55557023301960222,
-        0.70710678118654752, 0.83146961230254524, 0.92387953251128674, 0.98078528040323044, 1.0};
-    double t0[MANY_TERMS] = {1.0}, t1[MANY_TERMS] = {0.0, 1.0};
+    static const double of8[8] = {1.0, 0.980785280403230449, 0.923879532511286756, 0.831469612302545237, 0.707106781186547524, 0.555570233019602225, 0.382683432365089772, 0.195090322016128268};
+    static const double of12[12] = {1.0, 0.991444861373810411, 0.965925826289068287, 0.923879532511286756, 0.866025403784438647, 0.793353340291235165, 0.707106781186547524, 0.608761429008720639, 0.5, 0.382683432365089772, 0.258819045102520762, 0.130526192220051592};
+    size_t turn = j % (4 * terms), half = turn > 2 * terms ? 4 * terms - turn : turn;
+    size_t quarter = half > terms ? 2 * terms - half : half;
+    double value = quarter == terms ? 0.0 : terms == 8 ? of8[quarter] : of12[quarter];
+
+    return half > terms ? -value : value;
+}
+
+static double node_place(size_t j, size_t terms)
+{
+    return cosine(2 * j + 1, terms);
+}
+
+/* Coefficients in t of the polynomial through value[j] at cos((2 j + 1) pi / (2 terms)). */
+static void interpolate(const double *value, size_t terms, double *coefficient)
+{
+    double t0[MANY_TERMS_D] = {1.0}, t1[MANY_TERMS_D] = {0.0, 1.0}, next[MANY_TERMS_D];
     size_t i, j, q;
 
-    for (i = 0; i < MANY_TERMS; i++) {
+    for (i = 0; i < terms; i++) {
         coefficient[i] = 0.0;
     }
-    for (q = 0; q < MANY_TERMS; q++) {
+    for (q = 0; q < terms; q++) {
         double chebyshev = 0.0;
 
-        for (j = 0; j < MANY_TERMS; j++) {
-            chebyshev += value[j] * cosine[(q * (2 * j + 1)) % 32];
+        for (j = 0; j < terms; j++) {
+            chebyshev += value[j] * cosine(q * (2 * j + 1), terms);
         }
-        chebyshev *= q ? 0.25 : 0.125;
-        for (i = 0; i < MANY_TERMS; i++) { /* t0 is T_q: multiply, then step the recurrence */
+        chebyshev *= (q ? 2.0 : 1.0) / (double)terms;
+        for (i = 0; i < terms; i++) { /* t0 is T_q; then a step of its recurrence */
             coefficient[i] += chebyshev * t0[i];
+            next[i] = (i ? 2.0 * t1[i - 1] : 0.0) - t0[i];
         }
-        {
-            double next[MANY_TERMS];
-
-            for (i = 0; i < MANY_TERMS; i++) {
-                next[i] = (i ? 2.0 * t1[i - 1] : 0.0) - t0[i];
-            }
-            for (i = 0; i < MANY_TERMS; i++) {
-                t0[i] = t1[i];
-                t1[i] = next[i];
-            }
+        for (i = 0; i < terms; i++) {
+            t0[i] = t1[i];
+            t1[i] = next[i];
         }
     }
 }
 
-static double node_place(size_t j)
-{
-    static const double cosine[4] = {0.98078528040323044, 0.83146961230254524, 0.55557023301960222,
-                                     0.19509032201612827};
-
-    return j < 4 ? cosine[j] : -cosine[7 - j];
-}
-
-static double magnitude(const double coefficient[MANY_TERMS])
+static double magnitude(const double *coefficient, size_t terms)
 {
     double sum = 0.0;
     size_t j;
 
-    for (j = 0; j < MANY_TERMS; j++) {
+    for (j = 0; j < terms; j++) {
         sum += fabs(coefficient[j]);
     }
     return sum;
 }
 
 /* sup over [-1, 1] of |third derivative| / 6. */
-static double third(const double coefficient[MANY_TERMS])
+static double third(const double *coefficient, size_t terms)
 {
-    static const double binomial[MANY_TERMS] = {0.0, 0.0, 0.0, 1.0, 4.0, 10.0, 20.0, 35.0};
     double sum = 0.0;
     size_t j;
 
-    for (j = 0; j < MANY_TERMS; j++) {
-        sum += binomial[j] * fabs(coefficient[j]);
+    for (j = 3; j < terms; j++) {
+        sum += (double)(j * (j - 1) * (j - 2) / 6) * fabs(coefficient[j]);
     }
     return sum * (1.0 + TOL_CURVATURE);
 }
@@ -224,10 +220,10 @@ static void fill_shapes(struct many_fast *f, size_t w, double snapped)
         double x = f->c[m] * window->radius, phi = kernel_exp(-f->c[m] * low);
 
         for (j = 0; j < MANY_TERMS; j++) {
-            value[j] = kernel_exp(-f->c[m] * (window->center + window->radius * node_place(j)));
+            value[j] = kernel_exp(-f->c[m] * (window->center + window->radius * node_place(j, MANY_TERMS)));
         }
-        interpolate(value, shape);
-        size = fmax(phi, magnitude(shape));
+        interpolate(value, MANY_TERMS, shape);
+        size = fmax(phi, magnitude(shape, MANY_TERMS));
         error = 1.01 * phi * eighth_power(x) / 5160960.0 +
                 size * (TOL_UNIT * (ROUNDING + 8.0 * f->c[m] * high + 4.0 * (double)f->used) +
                         2.0 * snapped * f->c[m] * high);
@@ -242,54 +238,105 @@ static void fill_shapes(struct many_fast *f, size_t w, double snapped)
 static void fill_geometry(struct many_fast *f, size_t w, double snapped)
 {
     struct many_window *window = &f->window[w];
-    double d[MANY_TERMS], u[MANY_TERMS], low = window->center - window->radius;
+    double d[MANY_TERMS_D], u[MANY_TERMS_D], low = window->center - window->radius;
     double high = window->center + window->radius;
-    double h8 = 0.0, u8 = 0.0, u0 = 0.0, h = 0.0, largest = 0.0;
+    double h12 = 0.0, u12 = 0.0, u0 = 0.0, h = 0.0, largest = 0.0, rounding;
     size_t j, m;
 
     for (j = 0; j < MANY_TERMS; j++) {
-        d[j] = d_of(f, window->center + window->radius * node_place(j), &u[j]);
+        (void)d_of(f, window->center + window->radius * node_place(j, MANY_TERMS), &u[j]);
     }
-    interpolate(d, window->d);
-    interpolate(u, window->u);
+    interpolate(u, MANY_TERMS, window->u);
+    for (j = 0; j < MANY_TERMS_D; j++) {
+        d[j] = d_of(f, window->center + window->radius * node_place(j, MANY_TERMS_D), &u[j]);
+    }
+    interpolate(d, MANY_TERMS_D, window->d);
     for (m = 0; m < f->distinct; m++) {
-        double phi = kernel_exp(-f->c[m] * low), x8 = eighth_power(f->c[m] * window->radius);
+        double phi = kernel_exp(-f->c[m] * low), x = f->c[m] * window->radius;
+        double x12 = eighth_power(x) * (x * x) * (x * x);
 
         h += f->bb[m] * phi * phi;
-        h8 += 256.0 * x8 * f->bb[m] * phi * phi;
-        u8 += x8 * f->ab[m] * phi;
+        h12 += 4096.0 * x12 * f->bb[m] * phi * phi;
+        u12 += x12 * f->ab[m] * phi;
         u0 += f->ab[m] * phi;
         largest = fmax(largest, f->c[m] * high * phi);
     }
-    window->d_error = 1.01 * (h8 + 256.0 * u8 * u0) / 5160960.0 +
-                      (h + u0 * u0 + magnitude(window->d)) *
-                          (TOL_UNIT * (ROUNDING + 16.0 * largest + 4.0 * (double)f->used) + 4.0 * snapped * largest);
-    window->d_third = third(window->d);
-    window->u_third = third(window->u);
+    rounding = TOL_UNIT * (16.0 * ROUNDING + 16.0 * largest + 4.0 * (double)f->used) + 4.0 * snapped * largest;
+    window->d_error = 1.01 * (h12 + 4096.0 * u12 * u0) / (479001600.0 * 2048.0) +
+                      (h + u0 * u0 + magnitude(window->d, MANY_TERMS_D)) * rounding;
+    window->d_third = third(window->d, MANY_TERMS_D);
+    window->u_third = third(window->u, MANY_TERMS);
 }
 
-/* How a window is screened from its ends, whose D are given. */
-static void fill_screen(struct many_fast *f, size_t w, double d_low, double d_high)
+/* Smallest sqrt(D) over its chord from root_low to root_high, piece by piece. */
+static double chord_share(const struct many_window *window, double root_low, double root_high)
 {
-    struct many_window *window = &f->window[w];
-    double low = window->center - window->radius, width = 2.0 * window->radius;
-    double eighth = 1.01 * width * width / 8.0, h4 = 0.0, h2 = 0.0, d_inf, g;
+    double least = 1.0, h = 1.0 / SCREEN_PIECES;
+    int i, j;
+
+    for (i = 0; i < SCREEN_PIECES; i++) {
+        double t = -1.0 + h * (2.0 * i + 1.0), d[3] = {0.0, 0.0, 0.0}, low, chord, slope = 0.5 * (root_high - root_low);
+
+        for (j = (int)MANY_TERMS_D - 1; j >= 0; j--) {
+            d[2] = d[2] * t + d[1];
+            d[1] = d[1] * t + d[0];
+            d[0] = d[0] * t + window->d[j];
+        }
+        chord = 0.5 * (root_high + root_low) + slope * t;
+        /* Of D / chord^2: chord^2 is taken out at the middle, with its slope, so that only curvature is lost. */
+        low = d[0] - fabs(d[1] - 2.0 * d[0] * slope / chord) * h - (fabs(d[2]) + 3.0 * d[0] * slope * slope / (chord * chord) +
+              2.0 * fabs(d[1] * slope / chord)) * h * h - window->d_third * h * h * h - window->d_error;
+        least = fmin(least, low > 0.0 ? sqrt(low) / chord : -1.0);
+    }
+    return least;
+}
+
+/* |b (phi - chord) less its part along a| at t, where the ends of the chord are given; 0 at the ends. */
+static double off_chord(const struct many_fast *f, const struct many_window *window, double t)
+{
+    double low = window->center - window->radius, high = window->center + window->radius;
+    double square = 0.0, along = 0.0;
     size_t m;
 
     for (m = 0; m < f->distinct; m++) {
-        double c2 = f->c[m] * f->c[m], phi = kernel_exp(-f->c[m] * low);
+        double chord = 0.5 * ((1.0 - t) * kernel_exp(-f->c[m] * low) + (1.0 + t) * kernel_exp(-f->c[m] * high));
+        double off = chord - kernel_exp(-f->c[m] * (window->center + window->radius * t));
 
-        h4 += f->bb[m] * (c2 * c2) * (phi * phi);
-        h2 += 4.0 * f->bb[m] * c2 * (phi * phi);
+        square += f->bb[m] * (off * off);
+        along += f->ab[m] * off;
     }
-    d_inf = fmin(d_low, d_high) - eighth * h2;
+    return sqrt(fmax(square - along * along, 0.0) + 1e-12 * square);
+}
+
+/*
+ * How a window is screened from its ends, whose D are given. The distance from the chord is taken at places that cut
+ * the window evenly; between two of them it is at most the larger, by convexity, and what a chord of that length misses.
+ */
+static void fill_screen(struct many_fast *f, size_t w, double d_low, double d_high)
+{
+    struct many_window *window = &f->window[w];
+    double low = window->center - window->radius, missed = 0.0, before = 0.0, root_low = sqrt(d_low);
+    double root_high = sqrt(d_high);
+    size_t m;
+    int i;
+
+    for (m = 0; m < f->distinct; m++) {
+        double x = 2.0 * f->c[m] * window->radius / SCREEN_PIECES, phi = kernel_exp(-f->c[m] * low);
+
+        missed += f->bb[m] * (x * x / 8.0 * phi) * (x * x / 8.0 * phi);
+    }
+    missed = sqrt(missed);
     window->delta = 0.0;
-    window->shrink = -1.0;
-    if (d_inf > 0.0) {
-        g = sqrt(fmin(d_low, d_high));
-        window->delta = eighth * sqrt(h4) / g + TOL_CURVATURE;
-        window->shrink = 1.0 - eighth * h2 / (2.0 * sqrt(d_inf)) / g - TOL_CURVATURE;
+    for (i = 1; i <= SCREEN_PIECES; i++) {
+        double share = (double)i / SCREEN_PIECES, last = share - 1.0 / SCREEN_PIECES;
+        double here = i < SCREEN_PIECES ? off_chord(f, window, 2.0 * share - 1.0) : 0.0;
+        double root = fmin(root_low + (root_high - root_low) * share, root_low + (root_high - root_low) * last);
+
+        window->delta = fmax(window->delta, 1.01 * (fmax(here, before) + missed) / root);
+        before = here;
     }
+    window->delta += TOL_CURVATURE;
+    window->shrink = chord_share(window, root_low, root_high) - TOL_CURVATURE;
 }
 
 /* ---- the plan ---- */

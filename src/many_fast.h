@@ -17,11 +17,13 @@
 #define MANY_TILE LANES
 /* Coefficients of a polynomial over a window: one a lane. */
 #define MANY_TERMS LANES
+/* Of D, which bends twice as much. */
+#define MANY_TERMS_D 12
 
 /* An interval of s, [center - radius, center + radius], and t = (s - center) / radius. */
 struct many_window {
     double center, radius;
-    double d[MANY_TERMS], u[MANY_TERMS];     /* polynomials of D and u in t */
+    double d[MANY_TERMS_D], u[MANY_TERMS];   /* polynomials of D and u in t */
     double d_error, u_error, n_error;        /* how far they, and those of n_k per |I_k|, may be from the truth */
     double d_third, u_third;                 /* |third derivative| / 6 of the polynomials, at most */
     double delta, shrink;                    /* screening: see many_fast.c; shrink <= 0: it cannot be screened */

@@ -44,7 +44,7 @@ void brdffit_many_general(const brdffit_plan *plan, struct many *many, const dou
     result->general = 1;
     result->one_lobe_enough = 0;
     samples.values = values;
-    if (brdffit_fit(&samples, &plan->options, many->fit, many->fit_size, &fitted, &error) == BRDFFIT_OK) {
+    if (brdffit_fit_run(&samples, &plan->options, many->fit, many->fit_size, &fitted, &error) == BRDFFIT_OK) {
         keep(plan, &fitted, result);
         return;
     }

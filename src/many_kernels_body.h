@@ -19,23 +19,34 @@ struct tile_state {
     double s[MANY_TILE], e2[MANY_TILE];      /* of the last evaluation */
     double best[MANY_TILE], best_s[MANY_TILE]; /* incumbents */
     double total[MANY_TILE], rest[MANY_TILE];  /* sum |I|^2, and less sum omega^2 */
-    unsigned char pending[MANY_TILE];
+    double level[MANY_TILE], gamma[MANY_TILE]; /* what is to be proven: E^2 >= level, no gain above gamma */
+    uint64_t left[MANY_TILE];                  /* windows to bound */
+    unsigned char pending[MANY_TILE], absolute[MANY_TILE];
 };
 
-/* The window on that side of the best node where the next node is better. */
-static void choose_start(const struct many_fast *f, const struct many_tile *tile, struct climb *c, size_t lane)
+/* The window on that side of each texel's best node where the next node is better. */
+static void choose_starts(const struct many_fast *f, const struct many_tile *tile, struct climb *c)
 {
-    const double *gain = tile->gain + lane;
-    size_t j, top = 0;
-    double left, right;
+    lanes top = lanes_load(tile->gain), at = lanes_set(0.0);
+    double node[LANES];
+    size_t j, l;
 
     for (j = 1; j <= f->windows; j++) {
-        top = gain[j * LANES] > gain[top * LANES] ? j : top;
+        lanes gain = lanes_load(tile->gain + j * LANES);
+
+        at = lanes_select(lanes_below(top, gain), lanes_set((double)j), at);
+        top = lanes_max(gain, top);
     }
-    left = top > 0 ? gain[(top - 1) * LANES] : -1.0;
-    right = top < f->windows ? gain[(top + 1) * LANES] : -1.0;
-    c->window[lane] = right >= left ? top : top - 1;
-    c->t[lane] = right >= left ? -1.0 : 1.0;
+    lanes_store(node, at);
+    for (l = 0; l < LANES; l++) {
+        const double *gain = tile->gain + l;
+        size_t best = (size_t)node[l];
+        double left = best > 0 ? gain[(best - 1) * LANES] : -1.0;
+        double right = best < f->windows ? gain[(best + 1) * LANES] : -1.0;
+
+        c->window[l] = right >= left ? best : best - 1;
+        c->t[l] = right >= left ? -1.0 : 1.0;
+    }
 }
 
 static lanes_mask mask_of(const unsigned char *flag)
@@ -90,22 +101,35 @@ static void climb_tile(const struct many_fast *f, struct many_tile *tile, struct
     }
 }
 
-/* Windows that their end nodes do not discard: bit w. */
-static uint64_t screen(const struct many_fast *f, const struct many_tile *tile, size_t lane, double gamma, double rest,
-                       double rounding)
+/* Windows that their end nodes do not discard, a bit each: see many_fast.c. */
+static void screen(const struct many_fast *f, const struct many_tile *tile, struct tile_state *st)
 {
-    double root = sqrt(fmax(gamma, 0.0)), r = sqrt(rest + rounding);
-    uint64_t left = 0;
-    size_t w;
+    double roots[LANES], sizes[LANES], roundings[LANES];
+    lanes root, size, rounding, low;
+    lanes_mask left = {0};
+    size_t w, l;
 
+    for (l = 0; l < LANES; l++) {
+        roundings[l] = f->slack * st->total[l];
+        roots[l] = sqrt(fmax(st->gamma[l], 0.0));
+        sizes[l] = sqrt(fmax(st->rest[l], 0.0) + roundings[l]);
+    }
+    root = lanes_load(roots);
+    size = lanes_load(sizes);
+    rounding = lanes_load(roundings);
+    low = lanes_load(tile->gain);
     for (w = 0; w < f->windows; w++) {
         const struct many_window *window = &f->window[w];
-        double threshold = window->shrink * root - window->delta * r;
-        double gain = fmax(tile->gain[w * LANES + lane], tile->gain[(w + 1) * LANES + lane]) + rounding;
+        lanes high = lanes_load(tile->gain + (w + 1) * LANES), gain = lanes_max(low, high) + rounding;
+        lanes threshold = window->shrink * root - window->delta * size;
+        lanes_mask out = lanes_below(lanes_set(0.0), threshold) & lanes_below(gain, threshold * threshold);
 
-        left |= (uint64_t)!(threshold > 0.0 && gain <= threshold * threshold) << w;
+        left |= ~out & (int64_t)(UINT64_C(1) << w);
+        low = high;
     }
-    return left;
+    for (l = 0; l < LANES; l++) {
+        st->left[l] = (uint64_t)left[l];
+    }
 }
 
 static double third_of(const double *c)
@@ -120,22 +144,31 @@ static double third_of(const double *c)
     return sum * (1.0 + TOL_CURVATURE);
 }
 
+/* How far a gain from the polynomials of window w may be from the truth, relative to the data's sum of squares. */
+static double gain_error(const struct many_fast *f, size_t w)
+{
+    const struct many_window *window = &f->window[w];
+    double inverse = fmax(f->inverse_d[w], f->inverse_d[w + 1]);
+
+    return f->slack + 2.0 * (window->n_error + window->u_error) * sqrt(inverse) + window->d_error * inverse;
+}
+
 /* Bound every window that is left of one texel: 1 proven, 0 not; -1: a better point is where the climb now starts. */
-static int prove(const struct many_fast *f, struct many_tile *tile, struct tile_state *st, size_t lane, double gamma)
+static int prove(const struct many_fast *f, struct many_tile *tile, struct tile_state *st, size_t lane)
 {
     size_t K = f->channels, k, w, calls = 0;
     double *omega = tile->work + K * MANY_TERMS, *norm = omega + K, *third = norm + K;
-    double incumbent = st->rest[lane] - st->best[lane];
-    struct bound_texel b = {f, NULL, tile->work, omega, norm, third, gamma, f->slack, 0.0, 0.0};
-    uint64_t left = screen(f, tile, lane, gamma, st->rest[lane], f->slack * st->total[lane]);
+    double incumbent = st->rest[lane] - st->best[lane], noise;
+    struct bound_texel b = {f, NULL, tile->work, omega, norm, third, st->gamma[lane], f->slack, 0.0, 0.0};
+    uint64_t left = st->left[lane];
     int proven = 1;
 
     for (k = 0; k < K; k++) {
         omega[k] = tile->omega[k * LANES + lane];
         norm[k] = sqrt(tile->ii[k * LANES + lane]);
     }
-    for (w = 0; w < f->windows && proven; w++) {
-        if (!(left >> w & 1)) {
+    for (w = 0; left && proven; w++, left >>= 1) {
+        if (!(left & 1)) {
             continue;
         }
         b.window = &f->window[w];
@@ -143,9 +176,10 @@ static int prove(const struct many_fast *f, struct many_tile *tile, struct tile_
         for (k = 0; k < K; k++) {
             third[k] = third_of(tile->work + k * MANY_TERMS);
         }
-        b.best = incumbent + f->slack * st->total[lane] + 2e-7 * fmax(st->best[lane], 0.0);
-        proven = bound_window(&b, &calls);
-        if (b.best > incumbent + f->slack * st->total[lane] + 2e-7 * fmax(st->best[lane], 0.0)) {
+        noise = incumbent + 2e-7 * fmax(st->best[lane], 0.0) + gain_error(f, w) * st->total[lane];
+        b.best = noise;
+        proven = bound_window(&b, (st->best_s[lane] - b.window->center) / b.window->radius, &calls);
+        if (b.best > noise) {
             st->climb.window[lane] = w;
             st->climb.t[lane] = b.best_t;
             proven = -1;
@@ -156,28 +190,37 @@ static int prove(const struct many_fast *f, struct many_tile *tile, struct tile_
     return proven;
 }
 
-/* Target and proof of one pending texel whose incumbent is up to date. */
-static void certify(const struct many_fast *f, const struct many_rules *rules, struct many_tile *tile,
-                    struct tile_state *st, size_t lane, int last)
+/* What is to be proven of each texel: its incumbent to the gap that is easier. */
+static void set_levels(const struct many_fast *f, const struct many_rules *rules, struct tile_state *st)
+{
+    size_t l;
+
+    for (l = 0; l < LANES; l++) {
+        double relative = st->best[l] / (1.0 + rules->relative_gap) * (1.0 + 8.0 * TOL_UNIT);
+        double absolute = st->best[l] - rules->absolute_gap * st->total[l] * (1.0 - 8.0 * TOL_UNIT);
+
+        st->level[l] = fmin(relative, absolute);
+        st->absolute[l] = absolute < relative;
+        st->gamma[l] = st->rest[l] - st->level[l] - f->slack * st->total[l];
+    }
+}
+
+/* Proof of one pending texel whose incumbent is up to date. */
+static void certify(const struct many_fast *f, struct many_tile *tile, struct tile_state *st, size_t lane, int last)
 {
     struct many_outcome *out = &tile->outcome[lane];
-    double total = st->total[lane], relative, absolute, level;
-    int proven;
+    int proven = st->level[lane] <= 0.0 ? 1 : prove(f, tile, st, lane);
 
-    relative = st->best[lane] / (1.0 + rules->relative_gap) * (1.0 + 8.0 * TOL_UNIT);
-    absolute = st->best[lane] - rules->absolute_gap * total * (1.0 - 8.0 * TOL_UNIT);
-    level = fmin(relative, absolute);
-    proven = level <= 0.0 ? 1 : prove(f, tile, st, lane, st->rest[lane] - level - f->slack * total);
     if (proven < 0 && !last) {
         return;
     }
     st->pending[lane] = 0;
     out->certified = proven > 0;
-    out->absolute = absolute < relative;
+    out->absolute = st->absolute[lane];
     out->s = st->best_s[lane];
     out->e2 = st->best[lane];
-    out->lower_bound = fmax(level, 0.0);
-    out->total = total;
+    out->lower_bound = fmax(st->level[lane], 0.0);
+    out->total = st->total[lane];
 }
 
 static void start_tile(const struct many_fast *f, struct many_tile *tile, struct tile_state *st,
@@ -199,7 +242,9 @@ static void start_tile(const struct many_fast *f, struct many_tile *tile, struct
             st->total[l] += tile->ii[k * LANES + l];
             st->rest[l] += tile->ii[k * LANES + l] - omega * omega;
         }
-        choose_start(f, tile, &st->climb, l);
+    }
+    choose_starts(f, tile, &st->climb);
+    for (l = 0; l < LANES; l++) {
         enter_window(f, tile, &st->climb, l);
     }
 }
@@ -220,11 +265,8 @@ static void fit_tile(const struct many_fast *f, const struct many_rules *rules, 
 
         climb_tile(f, tile, &st);
         evaluate(f, tile, st.s, x, y, st.e2);
-        for (l = 0, any = 0; l < LANES; l++) {
-            if (!st.pending[l]) {
-                continue;
-            }
-            if (st.e2[l] < st.best[l]) {
+        for (l = 0; l < LANES; l++) {
+            if (st.pending[l] && st.e2[l] < st.best[l]) {
                 st.best[l] = st.e2[l];
                 st.best_s[l] = st.s[l];
                 for (k = 0; k < K; k++) {
@@ -232,8 +274,14 @@ static void fit_tile(const struct many_fast *f, const struct many_rules *rules, 
                     tile->y[k * LANES + l] = y[k * LANES + l];
                 }
             }
-            certify(f, rules, tile, &st, l, attempt + 1 == ATTEMPTS);
-            any = any || st.pending[l];
+        }
+        set_levels(f, rules, &st);
+        screen(f, tile, &st);
+        for (l = 0, any = 0; l < LANES; l++) {
+            if (st.pending[l]) {
+                certify(f, tile, &st, l, attempt + 1 == ATTEMPTS);
+                any = any || st.pending[l];
+            }
         }
     }
 }

@@ -12,8 +12,8 @@
  *
  * where A3 takes everything of third order. Its maximum over |d| <= h in closed form is the bound: right to third
  * order, so that near the optimum, where the gain falls with d^2, pieces of a fixed small share of d suffice. Where
- * x = 0 the fixed lambda costs a term of second order, which the next cut makes 64 times smaller. A piece that is
- * not discarded is cut into eight.
+ * x = 0 the fixed lambda costs a term of second order, which the next cut makes 64 times smaller. So a window near the
+ * optimum is first cut at distances from it that grow threefold; a piece that is not discarded is cut into eight.
  */
 #ifndef BRDFFIT_MANY_LANES_BOUND_H
 #define BRDFFIT_MANY_LANES_BOUND_H
@@ -24,6 +24,15 @@
 /* Pieces waiting to be cut, and calls for one texel, before the general path takes over. */
 #define WAITING 64
 #define MOST_CALLS 300
+/* First cut around the optimum, in t; windows whose middle is further than this from it are cut evenly. */
+#define GRADE 0.05
+#define NEAR 2.0
+/* Pieces that are not cut any more. */
+#define NARROW 1e-9
+
+struct pieces {
+    double center[LANES], half[LANES];
+};
 
 struct bound_texel {
     const struct many_fast *fast;
@@ -34,13 +43,14 @@ struct bound_texel {
     double best, best_t;  /* gain at the centre of pieces: above the incumbent's, the climb was in the wrong valley */
 };
 
-/* c: MANY_TERMS scalars. */
-LANES_INLINE struct taylor taylor_at(const double *c, lanes t)
+/* c: scalars. */
+LANES_INLINE struct taylor taylor_at(const double *c, int terms, lanes t)
 {
-    struct taylor p = {lanes_set(c[7]), lanes_set(0.0), lanes_set(0.0)};
+    struct taylor p = {lanes_set(c[terms - 1]), lanes_set(0.0), lanes_set(0.0)};
     int j;
 
-    for (j = 6; j >= 0; j--) {
+#pragma GCC unroll 16
+    for (j = terms - 2; j >= 0; j--) {
         p.f2 = p.f2 * t + p.f1;
         p.f1 = p.f1 * t + p.f0;
         p.f0 = p.f0 * t + c[j];
@@ -48,32 +58,31 @@ LANES_INLINE struct taylor taylor_at(const double *c, lanes t)
     return p;
 }
 
-/* The eight pieces of [t - 8 h, t + 8 h]: bit l set when piece l is not discarded. */
-static unsigned bound_pieces(struct bound_texel *b, double middle, double half, double centers[LANES])
+/* Bit l set when the piece |t - center[l]| <= half[l] is not discarded. */
+static unsigned bound_pieces(struct bound_texel *b, const struct pieces *pieces)
 {
     const struct many_window *w = b->window;
-    const lanes place = {-7.0, -5.0, -3.0, -1.0, 1.0, 3.0, 5.0, 7.0};
-    double reach = half * (1.0 + 1e-9), h2 = reach * reach, h3 = h2 * reach;
-    lanes t = lanes_set(middle) + place * half, zero = lanes_set(0.0), h = lanes_set(reach);
-    struct taylor d = taylor_at(w->d, t), u = taylor_at(w->u, t);
+    lanes t = lanes_load(pieces->center), zero = lanes_set(0.0), h = lanes_load(pieces->half) * (1.0 + 1e-9);
+    lanes h2 = h * h, h3 = h2 * h;
+    struct taylor d = taylor_at(w->d, MANY_TERMS_D, t), u = taylor_at(w->u, MANY_TERMS, t);
     lanes hh = d.f0 + u.f0 * u.f0, a0 = zero, a1 = zero, a2 = zero, a3 = zero, lifted = zero, size = zero, gained = zero;
-    lanes d_error = lanes_set(w->d_third * h3 + w->d_error), g, sup, gain;
-    double u_error = w->u_third * h3 + w->u_error;
+    lanes d_error = w->d_third * h3 + w->d_error, u_error = w->u_third * h3 + w->u_error;
+    lanes cosine = u.f0 / hh, g, sup;
     lanes_mask keep;
     unsigned left = 0;
     size_t k;
     int l;
 
     for (k = 0; k < b->fast->channels; k++) {
-        struct taylor n = taylor_at(b->n + k * MANY_TERMS, t);
+        struct taylor n = taylor_at(b->n + k * MANY_TERMS, MANY_TERMS, t);
         lanes omega = lanes_set(b->omega[k]);
-        lanes x = u.f0 * lanes_max(n.f0 + omega * u.f0, zero) / hh - omega;
+        lanes x = cosine * lanes_max(n.f0 + omega * u.f0, zero) - omega;
         lanes lambda = lanes_max(x, zero);
         lanes v0 = n.f0 - lambda * u.f0, v1 = n.f1 - lambda * u.f1, v2 = n.f2 - lambda * u.f2;
         lanes e = b->third[k] * h3 + w->n_error * b->norm[k] + lambda * u_error;
         lanes spread = lanes_abs(v1) * h + lanes_abs(v2) * h2 + e, s = lanes_abs(v0) + spread;
         lanes top = lanes_max(v0 + spread, zero), positive = lanes_max(v0, zero);
-        lanes_mask square = v0 > zero;
+        lanes_mask square = lanes_below(zero, v0);
 
         a0 += lanes_select(square, v0 * v0 + 2.0 * s * e, top * top);
         a1 += lanes_select(square, 2.0 * v0 * v1, zero);
@@ -89,18 +98,20 @@ static unsigned bound_pieces(struct bound_texel *b, double middle, double half, 
     a1 -= g * d.f1;
     a2 -= g * d.f2;
     {
-        lanes_mask inside = (a2 < zero) & (lanes_abs(a1) < -2.0 * a2 * h);
+        lanes_mask inside = lanes_below(a2, zero) & lanes_below(lanes_abs(a1), -2.0 * a2 * h);
         lanes end = a0 + lanes_abs(a1) * h + a2 * h2;
 
         sup = lanes_select(inside, a0 - a1 * a1 / (4.0 * lanes_min(a2, lanes_set(-1e-300))), end) + a3;
     }
-    keep = ~(sup <= zero);
-    gain = gained / d.f0 + lifted;
-    lanes_store(centers, t);
+    keep = ~lanes_below(sup, zero);
     for (l = 0; l < (int)LANES; l++) {
-        if (keep[l]) {
-            left |= 1u << l;
-            if (gain[l] > b->best) {
+        left |= (unsigned)(keep[l] & 1) << l;
+    }
+    if (left) {
+        lanes gain = gained / d.f0 + lifted;
+
+        for (l = 0; l < (int)LANES; l++) {
+            if ((left >> l & 1) && gain[l] > b->best) {
                 b->best = gain[l];
                 b->best_t = t[l];
             }
@@ -109,37 +120,74 @@ static unsigned bound_pieces(struct bound_texel *b, double middle, double half, 
     return left;
 }
 
-/* Cut the window until everything is discarded: 1; 0 when that takes too long or a better point was met. */
-static int bound_window(struct bound_texel *b, size_t *calls)
+static void cut_evenly(double center, double half, struct pieces *p)
 {
-    double middle[WAITING], half[WAITING], centers[LANES], incumbent = b->best;
-    int waiting = 1, l;
+    const lanes place = {-7.0, -5.0, -3.0, -1.0, 1.0, 3.0, 5.0, 7.0};
 
-    middle[0] = 0.0;
-    half[0] = 1.0;
-    while (waiting > 0) {
-        double m = middle[--waiting], h = half[waiting] / LANES;
+    half *= 1.0 / LANES;
+    lanes_store(p->center, lanes_set(center) + place * half);
+    lanes_store(p->half, lanes_set(half));
+}
+
+/* The window [-1, 1] cut at GRADE, 3 GRADE, 9 GRADE ... on both sides of t; the long side has one cut more. */
+static void cut_around(double t, struct pieces *p)
+{
+    double far = 27.0 * GRADE;
+    const double cut[LANES + 1] = {-1.0, t > 0.0 ? t - far : t - 9.0 * GRADE, t > 0.0 ? t - 9.0 * GRADE : t - 3.0 * GRADE,
+                                   t > 0.0 ? t - 3.0 * GRADE : t - GRADE, t > 0.0 ? t - GRADE : t + GRADE,
+                                   t > 0.0 ? t + GRADE : t + 3.0 * GRADE, t > 0.0 ? t + 3.0 * GRADE : t + 9.0 * GRADE,
+                                   t > 0.0 ? t + 9.0 * GRADE : t + far, 1.0};
+    double low = -1.0;
+    size_t l;
+
+    for (l = 0; l < LANES; l++) {
+        double high = l + 1 < LANES ? cut[l + 1] : 1.0;
+
+        high = high < low ? low : high > 1.0 ? 1.0 : high;
+        p->center[l] = 0.5 * (low + high);
+        p->half[l] = 0.5 * (high - low) + 1e-15;
+        low = high;
+    }
+}
+
+/* Cut the window until everything is discarded: 1; 0 when that takes too long or a better point was met. */
+static int bound_window(struct bound_texel *b, double optimum, size_t *calls)
+{
+    double middle[WAITING], half[WAITING], incumbent = b->best;
+    struct pieces pieces;
+    int waiting = 0, l;
+
+    if (optimum > -NEAR && optimum < NEAR) {
+        cut_around(optimum, &pieces);
+    } else {
+        cut_evenly(0.0, 1.0, &pieces);
+    }
+    for (;;) {
         unsigned left;
 
         if (++*calls > MOST_CALLS) {
             return 0;
         }
-        left = bound_pieces(b, m, h, centers);
+        left = bound_pieces(b, &pieces);
         if (b->best > incumbent) {
             return 0;
         }
         for (l = 0; left && l < (int)LANES; l++) {
-            if (!(left & (1u << l))) {
+            if (!(left >> l & 1)) {
                 continue;
             }
-            if (waiting >= WAITING || h < 1e-9) {
+            if (waiting >= WAITING || pieces.half[l] < NARROW) {
                 return 0;
             }
-            middle[waiting] = centers[l];
-            half[waiting++] = h;
+            middle[waiting] = pieces.center[l];
+            half[waiting++] = pieces.half[l];
         }
+        if (waiting == 0) {
+            return 1;
+        }
+        waiting--;
+        cut_evenly(middle[waiting], half[waiting], &pieces);
     }
-    return 1;
 }
 
 #endif

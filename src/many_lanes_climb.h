@@ -20,13 +20,14 @@ struct taylor {
     lanes f0, f1, f2;
 };
 
-/* c: MANY_TERMS rows of lanes. */
-LANES_INLINE struct taylor taylor_rows(const double *c, lanes t)
+/* c: rows of lanes. */
+LANES_INLINE struct taylor taylor_rows(const double *c, int terms, lanes t)
 {
-    struct taylor p = {lanes_load(c + 7 * LANES), lanes_set(0.0), lanes_set(0.0)};
+    struct taylor p = {lanes_load(c + (terms - 1) * (int)LANES), lanes_set(0.0), lanes_set(0.0)};
     int j;
 
-    for (j = 6; j >= 0; j--) {
+#pragma GCC unroll 16
+    for (j = terms - 2; j >= 0; j--) {
         p.f2 = p.f2 * t + p.f1;
         p.f1 = p.f1 * t + p.f0;
         p.f0 = p.f0 * t + lanes_load(c + j * (int)LANES);
@@ -61,7 +62,7 @@ static void window_data(const struct many_fast *f, const struct many_tile *tile,
 struct climb {
     size_t window[MANY_TILE];
     double t[MANY_TILE], slope[MANY_TILE];
-    double d[MANY_TERMS * LANES], u[MANY_TERMS * LANES];
+    double d[MANY_TERMS_D * LANES], u[MANY_TERMS * LANES];
 };
 
 static void enter_window(const struct many_fast *f, struct many_tile *tile, struct climb *c, size_t lane)
@@ -70,8 +71,10 @@ static void enter_window(const struct many_fast *f, struct many_tile *tile, stru
     size_t j, k;
 
     window_data(f, tile, c->window[lane], lane, tile->work);
-    for (j = 0; j < MANY_TERMS; j++) {
+    for (j = 0; j < MANY_TERMS_D; j++) {
         c->d[j * LANES + lane] = w->d[j];
+    }
+    for (j = 0; j < MANY_TERMS; j++) {
         c->u[j * LANES + lane] = w->u[j];
         for (k = 0; k < f->channels; k++) {
             tile->n[(k * MANY_TERMS + j) * LANES + lane] = tile->work[k * MANY_TERMS + j];
@@ -84,7 +87,7 @@ static void gain_at(const struct many_fast *f, const struct many_tile *tile, con
                     lanes out[3])
 {
     lanes t = *at, zero = lanes_set(0.0);
-    struct taylor d = taylor_rows(c->d, t), u = taylor_rows(c->u, t), h;
+    struct taylor d = taylor_rows(c->d, MANY_TERMS_D, t), u = taylor_rows(c->u, MANY_TERMS, t), h;
     size_t k;
 
     h.f0 = d.f0 + u.f0 * u.f0;
@@ -92,16 +95,16 @@ static void gain_at(const struct many_fast *f, const struct many_tile *tile, con
     h.f2 = d.f2 + u.f1 * u.f1 + 2.0 * u.f0 * u.f2;
     out[0] = out[1] = out[2] = zero;
     for (k = 0; k < f->channels; k++) {
-        struct taylor n = taylor_rows(tile->n + k * MANY_TERMS * LANES, t);
+        struct taylor n = taylor_rows(tile->n + k * MANY_TERMS * LANES, MANY_TERMS, t);
         lanes omega = lanes_load(tile->omega + k * LANES);
-        lanes_mask free = omega * d.f0 - n.f0 * u.f0 >= zero; /* x = omega - u n / D */
+        lanes_mask free = ~lanes_below(omega * d.f0, n.f0 * u.f0); /* x = omega - u n / D */
         lanes f0 = n.f0 + lanes_select(free, zero, omega * u.f0), f1 = n.f1 + lanes_select(free, zero, omega * u.f1);
         lanes f2 = n.f2 + lanes_select(free, zero, omega * u.f2);
         lanes g0 = lanes_select(free, d.f0, h.f0), g1 = lanes_select(free, d.f1, h.f1);
         lanes g2 = lanes_select(free, d.f2, h.f2);
         lanes y = lanes_max(f0, zero) / g0, dy = (f1 - y * g1) / g0, part = 2.0 * f1 - y * g1;
 
-        dy = lanes_select(y > zero, dy, zero);
+        dy = lanes_select(lanes_below(zero, y), dy, zero);
         out[0] += y * lanes_max(f0, zero) - lanes_select(free, zero, omega * omega);
         out[1] += y * part;
         out[2] += dy * part + y * (4.0 * f2 - dy * g1 - 2.0 * y * g2);
@@ -119,14 +122,14 @@ static void climb_window(const struct many_fast *f, const struct many_tile *tile
     most = value[0];
     slope = value[1];
     for (i = 0; i < CLIMB_STEPS; i++) {
-        lanes uphill = lanes_select(value[1] > zero, lanes_set(0.4), lanes_set(-0.4));
-        lanes step = lanes_select(value[2] < zero, -value[1] / value[2], uphill);
+        lanes uphill = lanes_select(lanes_below(zero, value[1]), lanes_set(0.4), lanes_set(-0.4));
+        lanes step = lanes_select(lanes_below(value[2], zero), -value[1] / value[2], uphill);
         lanes_mask better;
 
         step = lanes_max(lanes_min(step, lanes_set(0.8)), lanes_set(-0.8));
         t = lanes_max(lanes_min(t + step, one), -one);
         gain_at(f, tile, c, &t, value);
-        better = value[0] >= most;
+        better = ~lanes_below(value[0], most);
         most = lanes_select(better, value[0], most);
         best = lanes_select(better, t, best);
         slope = lanes_select(better, value[1], slope);
@@ -169,7 +172,7 @@ static void evaluate(const struct many_fast *f, struct many_tile *tile, const do
         }
         y = lanes_max(n / d, zero);
         x = omega - y * u;
-        y = lanes_select(x < zero, lanes_max((n + omega * u) / h, zero), y);
+        y = lanes_select(lanes_below(x, zero), lanes_max((n + omega * u) / h, zero), y);
         x = lanes_max(x, zero);
         lanes_store(x_out + k * LANES, x);
         lanes_store(y_out + k * LANES, y);

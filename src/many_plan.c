@@ -102,7 +102,7 @@ static size_t workspace_size(const brdffit_options *options, size_t samples, siz
     return arena.failed ? 0 : arena.used;
 }
 
-size_t brdffit_plan_size(const brdffit_samples *geometry, const brdffit_options *options)
+size_t brdffit_plan_bytes(const brdffit_samples *geometry, const brdffit_options *options)
 {
     brdffit_options defaults;
     struct making making;
@@ -120,7 +120,7 @@ size_t brdffit_plan_size(const brdffit_samples *geometry, const brdffit_options 
     return arena.failed || workspace_size(options, geometry->count, geometry->channels) == 0 ? 0 : arena.used;
 }
 
-brdffit_status brdffit_plan_init(const brdffit_samples *geometry, const brdffit_options *options, void *memory,
+brdffit_status brdffit_plan_make(const brdffit_samples *geometry, const brdffit_options *options, void *memory,
                                  size_t size, const brdffit_plan **plan, brdffit_error *error)
 {
     brdffit_options defaults;
@@ -141,7 +141,7 @@ brdffit_status brdffit_plan_init(const brdffit_samples *geometry, const brdffit_
     if (!memory || !plan) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "memory or plan is NULL");
     }
-    needed = brdffit_plan_size(geometry, options);
+    needed = brdffit_plan_bytes(geometry, options);
     if (needed == 0) {
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "more samples or channels than can be addressed");
     }
