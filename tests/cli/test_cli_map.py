@@ -274,6 +274,13 @@ def test_terminal(tmp_path):
     process = subprocess.Popen([harness.BRDFFIT, "map", *command, "--threads", "1"], cwd=tmp_path, stderr=theirs,
                                stdout=subprocess.PIPE, env=harness.environment(TERM="xterm"))
     os.close(theirs)
+    work = tmp_path / "slow-maps.brdffit-work"
+    while not list(work.glob("tile-*")):
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.002)
+    process.send_signal(signal.SIGSTOP)  # however fast the machine is, this run takes a while
+    time.sleep(0.5)
+    process.send_signal(signal.SIGCONT)
     seen = b""
     while True:
         try:

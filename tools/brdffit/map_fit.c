@@ -11,8 +11,11 @@
 #include "interrupt.h"
 #include "map.h"
 
-/* Texels between two looks at whether somebody wants to stop. */
-#define BATCH 256
+/* Texels between two looks at whether somebody wants to stop: some
+ * milliseconds. Linear and cone programs take that long for one. */
+#define BATCH_ONE_LOBE 256
+#define BATCH_TWO_LOBES 32
+#define BATCH_PROGRAMS 1
 
 struct cli_map_worker {
     const cli_map *map;
@@ -202,17 +205,25 @@ static void note_bad(cli_map_counts *counts, const cli_map_worker *w, size_t fir
     }
 }
 
+static size_t batch_of(const brdffit_options *options)
+{
+    if (options->norm != BRDFFIT_NORM_L2 || options->engine != BRDFFIT_ENGINE_MOMENT)
+        return BATCH_PROGRAMS;
+    return options->lobes == 1 ? BATCH_ONE_LOBE : BATCH_TWO_LOBES;
+}
+
 static int fit_shared(cli_map_worker *w, size_t texels, const brdffit_texel_results *results, cli_map_counts *counts,
                       cli_map_tick tick, void *user)
 {
     const cli_map *const map = w->map;
     brdffit_many_stats stats;
+    const size_t most = batch_of(&map->options);
     brdffit_many_stats_init(&stats);
-    for (size_t at = 0; at < texels; at += BATCH) {
+    for (size_t at = 0; at < texels; at += most) {
         brdffit_texels batch;
         brdffit_error error = {0};
         brdffit_texels_init(&batch, map->plan);
-        batch.count = texels - at < BATCH ? texels - at : BATCH;
+        batch.count = texels - at < most ? texels - at : most;
         batch.values = w->values + at * map->channels;
         batch.texel_stride = (ptrdiff_t)map->channels;
         batch.sample_stride = (ptrdiff_t)(texels * map->channels);
