@@ -27,17 +27,20 @@ struct tile_state {
 /* The window on that side of each texel's best node where the next node is better. */
 static void choose_starts(const struct many_fast *f, const struct many_tile *tile, struct climb *c)
 {
-    lanes top = lanes_load(tile->gain), at = lanes_set(0.0);
     double node[LANES];
-    size_t j, l;
+    size_t j, l, part;
 
-    for (j = 1; j <= f->windows; j++) {
-        lanes gain = lanes_load(tile->gain + j * LANES);
+    for (part = 0; part < LANES; part += VEC) {
+        vec top = vec_load(tile->gain + part), at = vec_set(0.0);
 
-        at = lanes_select(lanes_below(top, gain), lanes_set((double)j), at);
-        top = lanes_max(gain, top);
+        for (j = 1; j <= f->windows; j++) {
+            vec gain = vec_load(tile->gain + j * LANES + part);
+
+            at = vec_select(gain > top, vec_set((double)j), at);
+            top = vec_max(gain, top);
+        }
+        vec_store(node + part, at);
     }
-    lanes_store(node, at);
     for (l = 0; l < LANES; l++) {
         const double *gain = tile->gain + l;
         size_t best = (size_t)node[l];
@@ -49,43 +52,32 @@ static void choose_starts(const struct many_fast *f, const struct many_tile *til
     }
 }
 
-static lanes_mask mask_of(const unsigned char *flag)
-{
-    lanes_mask m;
-    size_t l;
-
-    for (l = 0; l < LANES; l++) {
-        m[l] = flag[l] ? -1 : 0;
-    }
-    return m;
-}
-
 /* Climb from where the pending texels are, over at most three windows; the point reached into state->s. */
 static void climb_tile(const struct many_fast *f, struct many_tile *tile, struct tile_state *st)
 {
     struct climb *c = &st->climb;
-    unsigned char active[MANY_TILE];
-    size_t l;
+    double active[MANY_TILE];
+    size_t l, part;
     int round, any = 1;
 
     for (l = 0; l < LANES; l++) {
-        active[l] = st->pending[l];
+        active[l] = st->pending[l] ? 1.0 : 0.0;
     }
     for (round = 0; round < 3 && any; round++) {
-        lanes_mask mask = mask_of(active);
-
         for (l = 0; l < LANES; l++) {
-            if (active[l]) {
+            if (active[l] > 0.0) {
                 enter_window(f, tile, c, l);
             }
         }
-        climb_window(f, tile, c, &mask);
+        for (part = 0; part < LANES; part += VEC) {
+            climb_part(f, tile, c, active, part);
+        }
         for (l = 0, any = 0; l < LANES; l++) {
-            int up = active[l] && c->t[l] >= 1.0 && c->slope[l] > 0.0 && c->window[l] + 1 < f->windows;
-            int down = active[l] && c->t[l] <= -1.0 && c->slope[l] < 0.0 && c->window[l] > 0;
+            int up = active[l] > 0.0 && c->t[l] >= 1.0 && c->slope[l] > 0.0 && c->window[l] + 1 < f->windows;
+            int down = active[l] > 0.0 && c->t[l] <= -1.0 && c->slope[l] < 0.0 && c->window[l] > 0;
 
-            active[l] = (unsigned char)(round < 2 && (up || down));
-            if (active[l]) {
+            active[l] = round < 2 && (up || down) ? 1.0 : 0.0;
+            if (active[l] > 0.0) {
                 c->window[l] = up ? c->window[l] + 1 : c->window[l] - 1;
                 c->t[l] = up ? -1.0 : 1.0;
                 any = 1;
@@ -105,30 +97,30 @@ static void climb_tile(const struct many_fast *f, struct many_tile *tile, struct
 static void screen(const struct many_fast *f, const struct many_tile *tile, struct tile_state *st)
 {
     double roots[LANES], sizes[LANES], roundings[LANES];
-    lanes root, size, rounding, low;
-    lanes_mask left = {0};
-    size_t w, l;
+    size_t w, l, part;
 
     for (l = 0; l < LANES; l++) {
         roundings[l] = f->slack * st->total[l];
         roots[l] = sqrt(fmax(st->gamma[l], 0.0));
         sizes[l] = sqrt(fmax(st->rest[l], 0.0) + roundings[l]);
     }
-    root = lanes_load(roots);
-    size = lanes_load(sizes);
-    rounding = lanes_load(roundings);
-    low = lanes_load(tile->gain);
-    for (w = 0; w < f->windows; w++) {
-        const struct many_window *window = &f->window[w];
-        lanes high = lanes_load(tile->gain + (w + 1) * LANES), gain = lanes_max(low, high) + rounding;
-        lanes threshold = window->shrink * root - window->delta * size;
-        lanes_mask out = lanes_below(lanes_set(0.0), threshold) & lanes_below(gain, threshold * threshold);
+    for (part = 0; part < LANES; part += VEC) {
+        vec root = vec_load(roots + part), size = vec_load(sizes + part), rounding = vec_load(roundings + part);
+        vec low = vec_load(tile->gain + part);
+        vec_mask left = {0};
 
-        left |= ~out & (int64_t)(UINT64_C(1) << w);
-        low = high;
-    }
-    for (l = 0; l < LANES; l++) {
-        st->left[l] = (uint64_t)left[l];
+        for (w = 0; w < f->windows; w++) {
+            const struct many_window *window = &f->window[w];
+            vec high = vec_load(tile->gain + (w + 1) * LANES + part), gain = vec_max(low, high) + rounding;
+            vec threshold = window->shrink * root - window->delta * size;
+            vec_mask out = (threshold > vec_set(0.0)) & (gain <= threshold * threshold);
+
+            left |= ~out & (int64_t)(UINT64_C(1) << w);
+            low = high;
+        }
+        for (l = 0; l < VEC; l++) {
+            st->left[part + l] = (uint64_t)left[l];
+        }
     }
 }
 

@@ -44,9 +44,9 @@ struct bound_texel {
 };
 
 /* c: scalars. */
-LANES_INLINE struct taylor taylor_at(const double *c, int terms, lanes t)
+LANES_INLINE struct taylor taylor_at(const double *c, int terms, vec t)
 {
-    struct taylor p = {lanes_set(c[terms - 1]), lanes_set(0.0), lanes_set(0.0)};
+    struct taylor p = {vec_set(c[terms - 1]), vec_set(0.0), vec_set(0.0)};
     int j;
 
 #pragma GCC unroll 16
@@ -58,63 +58,74 @@ LANES_INLINE struct taylor taylor_at(const double *c, int terms, lanes t)
     return p;
 }
 
-/* Bit l set when the piece |t - center[l]| <= half[l] is not discarded. */
-static unsigned bound_pieces(struct bound_texel *b, const struct pieces *pieces)
+/* What of the pieces is not proven: sup > 0; and what their centres gain, as gained / d + lifted. */
+struct bounded {
+    double sup[LANES], gained[LANES], lifted[LANES], d[LANES];
+};
+
+LANES_INLINE void bound_part(const struct bound_texel *b, const struct pieces *pieces, size_t part,
+                             struct bounded *out)
 {
     const struct many_window *w = b->window;
-    lanes t = lanes_load(pieces->center), zero = lanes_set(0.0), h = lanes_load(pieces->half) * (1.0 + 1e-9);
-    lanes h2 = h * h, h3 = h2 * h;
+    vec t = vec_load(pieces->center + part), zero = vec_set(0.0), h = vec_load(pieces->half + part) * (1.0 + 1e-9);
+    vec h2 = h * h, h3 = h2 * h;
     struct taylor d = taylor_at(w->d, MANY_TERMS_D, t), u = taylor_at(w->u, MANY_TERMS, t);
-    lanes hh = d.f0 + u.f0 * u.f0, a0 = zero, a1 = zero, a2 = zero, a3 = zero, lifted = zero, size = zero, gained = zero;
-    lanes d_error = w->d_third * h3 + w->d_error, u_error = w->u_third * h3 + w->u_error;
-    lanes cosine = u.f0 / hh, g, sup;
-    lanes_mask keep;
-    unsigned left = 0;
+    vec hh = d.f0 + u.f0 * u.f0, a0 = zero, a1 = zero, a2 = zero, a3 = zero, lifted = zero, size = zero, gained = zero;
+    vec d_error = w->d_third * h3 + w->d_error, u_error = w->u_third * h3 + w->u_error;
+    vec cosine = u.f0 / hh, g, end;
+    vec_mask inside;
     size_t k;
-    int l;
 
     for (k = 0; k < b->fast->channels; k++) {
         struct taylor n = taylor_at(b->n + k * MANY_TERMS, MANY_TERMS, t);
-        lanes omega = lanes_set(b->omega[k]);
-        lanes x = cosine * lanes_max(n.f0 + omega * u.f0, zero) - omega;
-        lanes lambda = lanes_max(x, zero);
-        lanes v0 = n.f0 - lambda * u.f0, v1 = n.f1 - lambda * u.f1, v2 = n.f2 - lambda * u.f2;
-        lanes e = b->third[k] * h3 + w->n_error * b->norm[k] + lambda * u_error;
-        lanes spread = lanes_abs(v1) * h + lanes_abs(v2) * h2 + e, s = lanes_abs(v0) + spread;
-        lanes top = lanes_max(v0 + spread, zero), positive = lanes_max(v0, zero);
-        lanes_mask square = lanes_below(zero, v0);
+        vec omega = vec_set(b->omega[k]);
+        vec lambda = vec_max(cosine * vec_max(n.f0 + omega * u.f0, zero) - omega, zero);
+        vec v0 = n.f0 - lambda * u.f0, v1 = n.f1 - lambda * u.f1, v2 = n.f2 - lambda * u.f2;
+        vec e = b->third[k] * h3 + w->n_error * b->norm[k] + lambda * u_error;
+        vec spread = vec_abs(v1) * h + vec_abs(v2) * h2 + e, s = vec_abs(v0) + spread;
+        vec top = vec_max(v0 + spread, zero), positive = vec_max(v0, zero);
+        vec_mask square = v0 > zero;
 
-        a0 += lanes_select(square, v0 * v0 + 2.0 * s * e, top * top);
-        a1 += lanes_select(square, 2.0 * v0 * v1, zero);
-        a2 += lanes_select(square, v1 * v1 + 2.0 * v0 * v2, zero);
-        a3 += lanes_select(square, 2.0 * lanes_abs(v1 * v2) * h3 + v2 * v2 * (h2 * h2), zero);
+        a0 += vec_select(square, v0 * v0 + 2.0 * s * e, top * top);
+        a1 += vec_select(square, 2.0 * v0 * v1, zero);
+        a2 += vec_select(square, v1 * v1 + 2.0 * v0 * v2, zero);
+        a3 += vec_select(square, 2.0 * vec_abs(v1 * v2) * h3 + v2 * v2 * (h2 * h2), zero);
         lifted += lambda * (2.0 * omega + lambda);
         size += s * s + (lambda * lambda + omega * omega) * hh;
         gained += positive * positive;
     }
     g = b->gamma - lifted;
-    a3 += lanes_abs(g) * d_error + b->slack * (size + lanes_abs(g) * hh + b->gamma * hh);
+    a3 += vec_abs(g) * d_error + b->slack * (size + vec_abs(g) * hh + b->gamma * hh);
     a0 -= g * d.f0;
     a1 -= g * d.f1;
     a2 -= g * d.f2;
-    {
-        lanes_mask inside = lanes_below(a2, zero) & lanes_below(lanes_abs(a1), -2.0 * a2 * h);
-        lanes end = a0 + lanes_abs(a1) * h + a2 * h2;
+    inside = (a2 < zero) & (vec_abs(a1) < -2.0 * a2 * h);
+    end = a0 + vec_abs(a1) * h + a2 * h2;
+    vec_store(out->sup + part, vec_select(inside, a0 - a1 * a1 / (4.0 * vec_min(a2, vec_set(-1e-300))), end) + a3);
+    vec_store(out->gained + part, gained);
+    vec_store(out->lifted + part, lifted);
+    vec_store(out->d + part, d.f0);
+}
 
-        sup = lanes_select(inside, a0 - a1 * a1 / (4.0 * lanes_min(a2, lanes_set(-1e-300))), end) + a3;
-    }
-    keep = ~lanes_below(sup, zero);
-    for (l = 0; l < (int)LANES; l++) {
-        left |= (unsigned)(keep[l] & 1) << l;
-    }
-    if (left) {
-        lanes gain = gained / d.f0 + lifted;
+/* Bit l set when the piece |t - center[l]| <= half[l] is not discarded. */
+static unsigned bound_pieces(struct bound_texel *b, const struct pieces *pieces)
+{
+    struct bounded out;
+    unsigned left = 0;
+    size_t l, part;
 
-        for (l = 0; l < (int)LANES; l++) {
-            if ((left >> l & 1) && gain[l] > b->best) {
-                b->best = gain[l];
-                b->best_t = t[l];
-            }
+    for (part = 0; part < LANES; part += VEC) {
+        bound_part(b, pieces, part, &out);
+    }
+    for (l = 0; l < LANES; l++) {
+        left |= (unsigned)!(out.sup[l] <= 0.0) << l;
+    }
+    for (l = 0; left && l < LANES; l++) {
+        double gain = out.gained[l] / out.d[l] + out.lifted[l];
+
+        if ((left >> l & 1) && gain > b->best) {
+            b->best = gain;
+            b->best_t = pieces->center[l];
         }
     }
     return left;
@@ -122,11 +133,13 @@ static unsigned bound_pieces(struct bound_texel *b, const struct pieces *pieces)
 
 static void cut_evenly(double center, double half, struct pieces *p)
 {
-    const lanes place = {-7.0, -5.0, -3.0, -1.0, 1.0, 3.0, 5.0, 7.0};
+    size_t l;
 
     half *= 1.0 / LANES;
-    lanes_store(p->center, lanes_set(center) + place * half);
-    lanes_store(p->half, lanes_set(half));
+    for (l = 0; l < LANES; l++) {
+        p->center[l] = center + (2.0 * (double)l - 7.0) * half;
+        p->half[l] = half;
+    }
 }
 
 /* The window [-1, 1] cut at GRADE, 3 GRADE, 9 GRADE ... on both sides of t; the long side has one cut more. */

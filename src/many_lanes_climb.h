@@ -17,20 +17,20 @@
 
 /* Value, first derivative and half the second of a polynomial whose coefficient j is c[j]. */
 struct taylor {
-    lanes f0, f1, f2;
+    vec f0, f1, f2;
 };
 
 /* c: rows of lanes. */
-LANES_INLINE struct taylor taylor_rows(const double *c, int terms, lanes t)
+LANES_INLINE struct taylor taylor_rows(const double *c, int terms, vec t)
 {
-    struct taylor p = {lanes_load(c + (terms - 1) * (int)LANES), lanes_set(0.0), lanes_set(0.0)};
+    struct taylor p = {vec_load(c + (terms - 1) * (int)LANES), vec_set(0.0), vec_set(0.0)};
     int j;
 
 #pragma GCC unroll 16
     for (j = terms - 2; j >= 0; j--) {
         p.f2 = p.f2 * t + p.f1;
         p.f1 = p.f1 * t + p.f0;
-        p.f0 = p.f0 * t + lanes_load(c + j * (int)LANES);
+        p.f0 = p.f0 * t + vec_load(c + j * (int)LANES);
     }
     return p;
 }
@@ -38,23 +38,26 @@ LANES_INLINE struct taylor taylor_rows(const double *c, int terms, lanes t)
 /* n_k over a window for one texel: MANY_TERMS coefficients a channel into `out`. */
 static void window_data(const struct many_fast *f, const struct many_tile *tile, size_t w, size_t lane, double *out)
 {
-    size_t M = f->distinct, K = f->channels, m, k;
-    const double *shape = f->shape + w * M * MANY_TERMS;
+    size_t M = f->distinct, K = f->channels, m, k, part;
 
-    for (k = 0; k < K; k++) {
-        const double *sum = tile->sum + k * M * LANES + lane;
-        lanes even = lanes_set(0.0), odd = even, third = even, fourth = even;
+    for (part = 0; part < MANY_TERMS; part += VEC) {
+        const double *shape = f->shape + w * M * MANY_TERMS + part;
 
-        for (m = 0; m + 4 <= M; m += 4) {
-            even += lanes_load(shape + m * MANY_TERMS) * sum[m * LANES];
-            odd += lanes_load(shape + (m + 1) * MANY_TERMS) * sum[(m + 1) * LANES];
-            third += lanes_load(shape + (m + 2) * MANY_TERMS) * sum[(m + 2) * LANES];
-            fourth += lanes_load(shape + (m + 3) * MANY_TERMS) * sum[(m + 3) * LANES];
+        for (k = 0; k < K; k++) {
+            const double *sum = tile->sum + k * M * LANES + lane;
+            vec even = vec_set(0.0), odd = even, third = even, fourth = even;
+
+            for (m = 0; m + 4 <= M; m += 4) {
+                even += vec_load(shape + m * MANY_TERMS) * sum[m * LANES];
+                odd += vec_load(shape + (m + 1) * MANY_TERMS) * sum[(m + 1) * LANES];
+                third += vec_load(shape + (m + 2) * MANY_TERMS) * sum[(m + 2) * LANES];
+                fourth += vec_load(shape + (m + 3) * MANY_TERMS) * sum[(m + 3) * LANES];
+            }
+            for (; m < M; m++) {
+                even += vec_load(shape + m * MANY_TERMS) * sum[m * LANES];
+            }
+            vec_store(out + k * MANY_TERMS + part, (even + odd) + (third + fourth));
         }
-        for (; m < M; m++) {
-            even += lanes_load(shape + m * MANY_TERMS) * sum[m * LANES];
-        }
-        lanes_store(out + k * MANY_TERMS, (even + odd) + (third + fourth));
     }
 }
 
@@ -83,11 +86,11 @@ static void enter_window(const struct many_fast *f, struct many_tile *tile, stru
 }
 
 /* Gain beyond sum omega^2, its slope and curvature by t. */
-static void gain_at(const struct many_fast *f, const struct many_tile *tile, const struct climb *c, const lanes *at,
-                    lanes out[3])
+LANES_INLINE void gain_at(const struct many_fast *f, const struct many_tile *tile, const struct climb *c, size_t part,
+                    const vec *at, vec out[3])
 {
-    lanes t = *at, zero = lanes_set(0.0);
-    struct taylor d = taylor_rows(c->d, MANY_TERMS_D, t), u = taylor_rows(c->u, MANY_TERMS, t), h;
+    vec t = *at, zero = vec_set(0.0);
+    struct taylor d = taylor_rows(c->d + part, MANY_TERMS_D, t), u = taylor_rows(c->u + part, MANY_TERMS, t), h;
     size_t k;
 
     h.f0 = d.f0 + u.f0 * u.f0;
@@ -95,100 +98,125 @@ static void gain_at(const struct many_fast *f, const struct many_tile *tile, con
     h.f2 = d.f2 + u.f1 * u.f1 + 2.0 * u.f0 * u.f2;
     out[0] = out[1] = out[2] = zero;
     for (k = 0; k < f->channels; k++) {
-        struct taylor n = taylor_rows(tile->n + k * MANY_TERMS * LANES, MANY_TERMS, t);
-        lanes omega = lanes_load(tile->omega + k * LANES);
-        lanes_mask free = ~lanes_below(omega * d.f0, n.f0 * u.f0); /* x = omega - u n / D */
-        lanes f0 = n.f0 + lanes_select(free, zero, omega * u.f0), f1 = n.f1 + lanes_select(free, zero, omega * u.f1);
-        lanes f2 = n.f2 + lanes_select(free, zero, omega * u.f2);
-        lanes g0 = lanes_select(free, d.f0, h.f0), g1 = lanes_select(free, d.f1, h.f1);
-        lanes g2 = lanes_select(free, d.f2, h.f2);
-        lanes y = lanes_max(f0, zero) / g0, dy = (f1 - y * g1) / g0, part = 2.0 * f1 - y * g1;
+        struct taylor n = taylor_rows(tile->n + k * MANY_TERMS * LANES + part, MANY_TERMS, t);
+        vec omega = vec_load(tile->omega + k * LANES + part);
+        vec_mask free = ~(omega * d.f0 < n.f0 * u.f0); /* x = omega - u n / D */
+        vec f0 = n.f0 + vec_select(free, zero, omega * u.f0), f1 = n.f1 + vec_select(free, zero, omega * u.f1);
+        vec f2 = n.f2 + vec_select(free, zero, omega * u.f2);
+        vec g0 = vec_select(free, d.f0, h.f0), g1 = vec_select(free, d.f1, h.f1);
+        vec g2 = vec_select(free, d.f2, h.f2);
+        vec y = vec_max(f0, zero) / g0, dy = (f1 - y * g1) / g0, rise = 2.0 * f1 - y * g1;
 
-        dy = lanes_select(lanes_below(zero, y), dy, zero);
-        out[0] += y * lanes_max(f0, zero) - lanes_select(free, zero, omega * omega);
-        out[1] += y * part;
-        out[2] += dy * part + y * (4.0 * f2 - dy * g1 - 2.0 * y * g2);
+        dy = vec_select((zero < y), dy, zero);
+        out[0] += y * vec_max(f0, zero) - vec_select(free, zero, omega * omega);
+        out[1] += y * rise;
+        out[2] += dy * rise + y * (4.0 * f2 - dy * g1 - 2.0 * y * g2);
     }
 }
 
-/* Newton steps of the texels in `active`, each inside its window. */
-static void climb_window(const struct many_fast *f, const struct many_tile *tile, struct climb *c,
-                         const lanes_mask *active)
+/* Newton steps of the texels whose flag in `active` is 1, each inside its window. */
+LANES_INLINE void climb_part(const struct many_fast *f, const struct many_tile *tile, struct climb *c, const double *active,
+                       size_t part)
 {
-    lanes t = lanes_load(c->t), best = t, one = lanes_set(1.0), zero = lanes_set(0.0), most, value[3], slope;
+    vec t = vec_load(c->t + part), best = t, one = vec_set(1.0), zero = vec_set(0.0), most, value[3], slope;
+    vec_mask moves = vec_load(active + part) > zero;
     int i;
 
-    gain_at(f, tile, c, &t, value);
+    gain_at(f, tile, c, part, &t, value);
     most = value[0];
     slope = value[1];
     for (i = 0; i < CLIMB_STEPS; i++) {
-        lanes uphill = lanes_select(lanes_below(zero, value[1]), lanes_set(0.4), lanes_set(-0.4));
-        lanes step = lanes_select(lanes_below(value[2], zero), -value[1] / value[2], uphill);
-        lanes_mask better;
+        vec uphill = vec_select(value[1] > zero, vec_set(0.4), vec_set(-0.4));
+        vec step = vec_select(value[2] < zero, -value[1] / value[2], uphill);
+        vec_mask better;
 
-        step = lanes_max(lanes_min(step, lanes_set(0.8)), lanes_set(-0.8));
-        t = lanes_max(lanes_min(t + step, one), -one);
-        gain_at(f, tile, c, &t, value);
-        better = ~lanes_below(value[0], most);
-        most = lanes_select(better, value[0], most);
-        best = lanes_select(better, t, best);
-        slope = lanes_select(better, value[1], slope);
+        step = vec_max(vec_min(step, vec_set(0.8)), vec_set(-0.8));
+        t = vec_max(vec_min(t + step, one), -one);
+        gain_at(f, tile, c, part, &t, value);
+        better = value[0] >= most;
+        most = vec_select(better, value[0], most);
+        best = vec_select(better, t, best);
+        slope = vec_select(better, value[1], slope);
     }
-    lanes_store(c->t, lanes_select(*active, best, lanes_load(c->t)));
-    lanes_store(c->slope, lanes_select(*active, slope, lanes_load(c->slope)));
+    vec_store(c->t + part, vec_select(moves, best, vec_load(c->t + part)));
+    vec_store(c->slope + part, vec_select(moves, slope, vec_load(c->slope + part)));
+}
+
+/* Shapes at s into tile->phi, and D there: a sum of squares, so that nothing cancels. */
+LANES_INLINE void shapes_at(const struct many_fast *f, struct many_tile *tile, const double *at, size_t part, vec *u, vec *h,
+                      vec *d)
+{
+    double inverse_a = f->root_a > 0.0 ? 1.0 / f->root_a : 0.0;
+    vec s = vec_load(at + part);
+    size_t M = f->distinct, m, i;
+
+    *u = *h = *d = vec_set(0.0);
+    for (m = 0; m < M; m++) {
+        vec phi = vec_exp(s * -f->c[m]);
+
+        vec_store(tile->phi + m * LANES + part, phi);
+        *u += phi * f->ab[m];
+        *h += (phi * phi) * f->bb[m];
+    }
+    for (m = 0; m <= M; m++) {
+        vec phi = m < M ? vec_load(tile->phi + m * LANES + part) : vec_set(0.0);
+        size_t end = m < M ? f->begin[m + 1] : f->used;
+
+        for (i = f->begin[m]; i < end; i++) {
+            vec rest = phi * f->b[i] - *u * (f->a[i] * inverse_a);
+
+            *d += rest * rest;
+        }
+    }
+}
+
+/* Squared residuals of channel k with coefficients x of a / |a| and y of b phi. */
+LANES_INLINE vec residual_at(const struct many_fast *f, const struct many_tile *tile, size_t k, size_t part, vec x, vec y)
+{
+    double inverse_a = f->root_a > 0.0 ? 1.0 / f->root_a : 0.0;
+    size_t K = f->channels, M = f->distinct, m, i;
+    vec sum = vec_set(0.0);
+
+    for (m = 0; m <= M; m++) {
+        vec lobe = m < M ? y * vec_load(tile->phi + m * LANES + part) : vec_set(0.0);
+        size_t end = m < M ? f->begin[m + 1] : f->used;
+
+        for (i = f->begin[m]; i < end; i++) {
+            vec rest = vec_load(tile->value + (i * K + k) * LANES + part) - x * (f->a[i] * inverse_a) - lobe * f->b[i];
+
+            sum += rest * rest;
+        }
+    }
+    return sum;
 }
 
 /* Exact objective at s, from the residuals of every sample, and the coefficients of a / |a| and b phi. */
 static void evaluate(const struct many_fast *f, struct many_tile *tile, const double *at, double *x_out, double *y_out,
                      double *objective)
 {
-    size_t K = f->channels, M = f->distinct, m, k, i;
-    lanes s = lanes_load(at), zero = lanes_set(0.0), u = zero, h = zero, d = zero, e2 = zero;
-    double inverse_a = f->root_a > 0.0 ? 1.0 / f->root_a : 0.0;
+    size_t K = f->channels, M = f->distinct, m, k, part;
 
-    for (m = 0; m < M; m++) {
-        lanes phi = lanes_exp(s * -f->c[m]);
+    for (part = 0; part < LANES; part += VEC) {
+        vec zero = vec_set(0.0), u, h, d, e2 = zero;
 
-        lanes_store(tile->phi + m * LANES, phi);
-        u += phi * f->ab[m];
-        h += (phi * phi) * f->bb[m];
-    }
-    for (m = 0; m <= M; m++) {
-        lanes phi = m < M ? lanes_load(tile->phi + m * LANES) : zero;
-        size_t end = m < M ? f->begin[m + 1] : f->used;
+        shapes_at(f, tile, at, part, &u, &h, &d);
+        for (k = 0; k < K; k++) {
+            const double *sum = tile->sum + k * M * LANES + part;
+            vec n = zero, omega = vec_load(tile->omega + k * LANES + part), x, y;
 
-        for (i = f->begin[m]; i < end; i++) {
-            lanes rest = phi * f->b[i] - u * (f->a[i] * inverse_a);
-
-            d += rest * rest;
-        }
-    }
-    for (k = 0; k < K; k++) {
-        const double *sum = tile->sum + k * M * LANES;
-        lanes n = zero, omega = lanes_load(tile->omega + k * LANES), x, y;
-
-        for (m = 0; m < M; m++) {
-            n += lanes_load(sum + m * LANES) * lanes_load(tile->phi + m * LANES);
-        }
-        y = lanes_max(n / d, zero);
-        x = omega - y * u;
-        y = lanes_select(lanes_below(x, zero), lanes_max((n + omega * u) / h, zero), y);
-        x = lanes_max(x, zero);
-        lanes_store(x_out + k * LANES, x);
-        lanes_store(y_out + k * LANES, y);
-        for (m = 0; m <= M; m++) {
-            lanes lobe = m < M ? y * lanes_load(tile->phi + m * LANES) : zero;
-            size_t end = m < M ? f->begin[m + 1] : f->used;
-
-            for (i = f->begin[m]; i < end; i++) {
-                lanes rest = lanes_load(tile->value + (i * K + k) * LANES) - x * (f->a[i] * inverse_a) -
-                             lobe * f->b[i];
-
-                e2 += rest * rest;
+            for (m = 0; m < M; m++) {
+                n += vec_load(sum + m * LANES) * vec_load(tile->phi + m * LANES + part);
             }
+            y = vec_max(n / d, zero);
+            x = omega - y * u;
+            y = vec_select(x < zero, vec_max((n + omega * u) / h, zero), y);
+            x = vec_max(x, zero);
+            vec_store(x_out + k * LANES + part, x);
+            vec_store(y_out + k * LANES + part, y);
+            e2 += residual_at(f, tile, k, part, x, y);
         }
+        vec_store(objective + part, e2);
     }
-    lanes_store(objective, e2);
 }
 
 #endif
