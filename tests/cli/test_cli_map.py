@@ -341,3 +341,20 @@ def test_weights(desk):
     assert line["samples_skipped"]["zero_weight"] == 28
     assert maps["lower_bound"][3, 3] <= line["e2"] and line["lower_bound"] <= maps["e2"][3, 3]
     assert np.allclose(maps["sigma"][3, 3], line["sigma"], rtol=1e-4)
+
+
+def test_norm(desk):
+    """Norms that linear programs prove: the bits of `fit`, or the reason."""
+    mask = np.zeros((6, 5), bool)
+    mask[4, 1] = True
+    np.save(desk / "mask.npy", mask)
+    command = ["stack.npy", "-g", "geometry.csv", "--mask", "mask.npy", "--norm", "l1", "-o", "m.npz"]
+    if not harness.has_ecos():
+        assert "ECOS" in stacks.run(desk, *command, expect=2).stderr
+        return
+    stacks.run(desk, *command)
+    maps = stacks.maps(desk / "m.npz")
+    line = single(desk, np.load(desk / "lights.npy"), np.load(desk / "views.npy"),
+                  np.load(desk / "stack.npy")[:, 4, 1].astype(float), "--norm", "l1")
+    assert maps["sigma"][4, 1].tolist() == line["sigma"] and maps["e2"][4, 1] == line["e2"]
+    assert (maps["status"] == np.where(mask, CERTIFIED, MASKED)).all()

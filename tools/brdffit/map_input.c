@@ -293,6 +293,26 @@ static int check_count(const cli_map *map)
     return CLI_EXIT_DATA;
 }
 
+/* Whether this build can fit so at all (without ECOS some options cannot):
+ * asked of the smallest problem there is, before thousands refuse. */
+static int check_build(const cli_map *map)
+{
+    static const double up[3] = {0, 0, 1}, one = 1;
+    brdffit_samples samples;
+    brdffit_result *result = NULL;
+    brdffit_error error = {0};
+    brdffit_samples_init(&samples);
+    samples.count = samples.channels = 1;
+    samples.light = samples.view = up;
+    samples.values = &one;
+    const brdffit_status status = brdffit_fit_new(&samples, &map->options, &result, &error);
+    brdffit_fit_free(result);
+    if (status != BRDFFIT_ERR_UNSUPPORTED)
+        return 0;
+    fprintf(stderr, "brdffit map: %s\n", brdffit_cli_message(&error));
+    return CLI_EXIT_USAGE;
+}
+
 static int make_plan(cli_map *map)
 {
     brdffit_error error = {0};
@@ -381,7 +401,9 @@ int brdffit_cli_map_open(cli_map *map, const cli_settings *settings)
         return CLI_EXIT_USAGE;
     }
     choose_tiles(map);
-    code = make_plan(map);
+    code = check_build(map);
+    if (code == 0)
+        code = make_plan(map);
     if (code == 0)
         count_skipped(map);
     return code;

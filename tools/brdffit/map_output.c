@@ -5,6 +5,7 @@
  * PFM is float32: E^2 is rounded up and the lower bound down, so that what is
  * claimed stays true. */
 #define _POSIX_C_SOURCE 200809L
+#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -281,7 +282,7 @@ static int move(const char *from, const char *to, const char *name)
     brdffit_cli_text_printf(&a, "%s/%s", from, name);
     brdffit_cli_text_printf(&b, "%s/%s", to, name);
     int code = a.failed || b.failed ? brdffit_cli_no_memory() : 0;
-    if (code == 0 && rename(a.data, b.data) != 0 && errno != ENOENT) {
+    if (code == 0 && rename(a.data, b.data) != 0) {
         fprintf(stderr, "brdffit: %s: cannot write (%s)\n", b.data, strerror(errno));
         code = CLI_EXIT_FAILURE;
     }
@@ -291,32 +292,19 @@ static int move(const char *from, const char *to, const char *name)
 }
 
 /* Into a folder that is there already: file by file, each whole. */
-static int move_all(const writer *w, const char *out, const char *target)
+static int move_all(const char *out, const char *target)
 {
-    static const char *const format[] = {"%s.npy", "%s.pfm"};
+    DIR *const stream = opendir(out);
     int code = 0;
-    char name[64];
-    for (size_t i = 0; code == 0 && i < w->count; i++)
-        for (int n = 0; code == 0 && n < 2; n++) {
-            (void)snprintf(name, sizeof name, format[n], w->fields[i].name);
-            code = move(out, target, name);
-        }
-    for (size_t k = 1; code == 0 && k <= w->map->channels; k++) {
-        (void)snprintf(name, sizeof name, "x_%zu.pfm", k);
-        code = move(out, target, name);
-        for (size_t p = 1; code == 0 && p <= (size_t)w->map->options.lobes; p++) {
-            (void)snprintf(name, sizeof name, "y_%zu_%zu.pfm", k, p);
-            code = move(out, target, name);
-        }
+    if (stream == NULL) {
+        fprintf(stderr, "brdffit: %s: cannot open the folder (%s)\n", out, strerror(errno));
+        return CLI_EXIT_FAILURE;
     }
-    for (size_t p = 1; code == 0 && p <= (size_t)w->map->options.lobes; p++) {
-        static const char *const lobe[] = {"sigma_%zu.pfm", "exponent_%zu.pfm", "y_%zu.pfm"};
-        for (int n = 0; code == 0 && n < 3; n++) {
-            (void)snprintf(name, sizeof name, n == 0 ? lobe[0] : n == 1 ? lobe[1] : lobe[2], p);
-            code = move(out, target, name);
-        }
-    }
-    return code != 0 ? code : move(out, target, "map.json");
+    for (const struct dirent *entry; code == 0 && (entry = readdir(stream)) != NULL;)
+        if (entry->d_name[0] != '.')
+            code = move(out, target, entry->d_name);
+    (void)closedir(stream);
+    return code;
 }
 
 static int write_folder(writer *w, const char *target)
@@ -336,7 +324,7 @@ static int write_folder(writer *w, const char *target)
     if (code == 0)
         code = write_description(w);
     if (code == 0 && rename(out, target) != 0)
-        code = move_all(w, out, target);
+        code = move_all(out, target);
     free(out);
     return code;
 }
