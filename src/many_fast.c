@@ -16,11 +16,11 @@
  * gains more than Gamma" is   sum_k max(0, n_k - lambda_k u)^2 - (Gamma - sum lambda (2 omega + lambda)) D <= 0:
  * n, u and D are sums of exponentials and smooth, D and u are the plan's, n is linear in the data.
  *
- * The range of theta = ln s is cut into N windows of equal width. In each, exp(-c s) is a polynomial of degree 7 in
- * t: Chebyshev interpolation, whose error is below sup |f^(8)| / (8! 2^7) = x^8 exp(-c s_low) / 5160960 with
- * x = c radius. Summed against data by Cauchy-Schwarz this is n_error |I_k|. D has its own polynomial:
- * |D^(8)| <= sum bb (2 x)^8 phi^2 + 2^8 (sum ab x^8 phi)(sum ab phi), phi at the low end. The bound on a piece of
- * a window is in many_lanes_bound.h.
+ * The range of theta = ln s is cut into N windows of equal width. In each, exp(-c s) is a polynomial of 8 terms in t:
+ * Chebyshev interpolation, whose error is below sup |f^(8)| / (8! 2^7) = x^8 exp(-c s_low) / 5160960 with
+ * x = c radius; and one of 12, for data with so little noise that this is not enough. Summed against data by
+ * Cauchy-Schwarz it is n_error |I_k|. D has its own of 16 terms: |D^(16)| <= sum bb (2 x)^16 phi^2 +
+ * 2^16 (sum ab x^16 phi)(sum ab phi), phi at the low end, as (x + x')^16 <= 2^15 (x^16 + x'^16). The bound on a piece of a window is in many_lanes_bound.h.
  *
  * Screening of a whole window from its end nodes: with chords in s, n_k exceeds its chord by at most
  * |r_k| h4 width^2 / 8, h4^2 = sum bb c^4 phi(low)^2, and g = sqrt(D) falls below its chord by at most
@@ -47,7 +47,8 @@
 #define WINDOW 0.375
 /* Largest c_min s: y stays far from overflow (fit_domain.c). */
 #define MOST_EXPONENT 200.0
-/* Rounding of polynomial coefficients and their use, in u relative to the largest value. */
+/* Rounding of polynomial coefficients and their use, in u relative to the sum of their magnitudes: an error of a
+ * Chebyshev coefficient, a few u of the largest value, counts once whatever the degree; the rest are sums of terms. */
 #define ROUNDING 4096.0
 /* Pieces that D is compared with its chord on. */
 #define SCREEN_PIECES 32
@@ -78,7 +79,8 @@ void brdffit_many_fast_layout(struct many_fast *f, struct arena *arena, size_t c
     f->ab = ARENA_DOUBLES(arena, m);
     f->phi = ARENA_DOUBLES(arena, nodes * m);
     f->inverse_d = ARENA_DOUBLES(arena, nodes);
-    f->shape = ARENA_DOUBLES(arena, MOST_WINDOWS * m * MANY_TERMS);
+    f->shape[0] = ARENA_DOUBLES(arena, MOST_WINDOWS * m * MANY_TERMS);
+    f->shape[1] = ARENA_DOUBLES(arena, MOST_WINDOWS * m * MANY_STRIDE_MORE);
     f->window = brdffit_arena_take(arena, MOST_WINDOWS, sizeof *f->window);
 }
 
@@ -96,7 +98,7 @@ void brdffit_many_tile_layout(struct many_tile *t, struct arena *arena, size_t c
     t->x = ARENA_DOUBLES(arena, K * LANES);
     t->y = ARENA_DOUBLES(arena, K * LANES);
     t->n = ARENA_DOUBLES(arena, K * MANY_TERMS * LANES);
-    t->work = ARENA_DOUBLES(arena, K * (MANY_TERMS + 4));
+    t->work = ARENA_DOUBLES(arena, K * (MANY_STRIDE_MORE + 4));
     t->phi = ARENA_DOUBLES(arena, m * LANES);
     t->scan.largest = ARENA_DOUBLES(arena, K * LANES);
     t->scan.magnitude = ARENA_DOUBLES(arena, K * LANES);
@@ -133,14 +135,15 @@ static double d_of(const struct many_fast *f, double s, double *u_of_s)
     return d;
 }
 
-/* cos(j pi / (2 terms)), 8 or 12 terms, any j: the first quarter is tabulated. */
+/* cos(j pi / (2 terms)), 8, 12 or 16 terms, any j: the first quarter is tabulated. */
 static double cosine(size_t j, size_t terms)
 {
     static const double of8[8] = {1.0, 0.980785280403230449, 0.923879532511286756, 0.831469612302545237, 0.707106781186547524, 0.555570233019602225, 0.382683432365089772, 0.195090322016128268};
     static const double of12[12] = {1.0, 0.991444861373810411, 0.965925826289068287, 0.923879532511286756, 0.866025403784438647, 0.793353340291235165, 0.707106781186547524, 0.608761429008720639, 0.5, 0.382683432365089772, 0.258819045102520762, 0.130526192220051592};
+    static const double of16[16] = {1.0, 0.995184726672196886, 0.980785280403230449, 0.956940335732208865, 0.923879532511286756, 0.88192126434835503, 0.831469612302545237, 0.773010453362736961, 0.707106781186547524, 0.634393284163645498, 0.555570233019602225, 0.471396736825997649, 0.382683432365089772, 0.290284677254462368, 0.195090322016128268, 0.098017140329560602};
     size_t turn = j % (4 * terms), half = turn > 2 * terms ? 4 * terms - turn : turn;
     size_t quarter = half > terms ? 2 * terms - half : half;
-    double value = quarter == terms ? 0.0 : terms == 8 ? of8[quarter] : of12[quarter];
+    double value = quarter == terms ? 0.0 : terms == 8 ? of8[quarter] : terms == 12 ? of12[quarter] : of16[quarter];
 
     return half > terms ? -value : value;
 }
@@ -200,72 +203,81 @@ static double third(const double *coefficient, size_t terms)
     return sum * (1.0 + TOL_CURVATURE);
 }
 
-static double eighth_power(double x)
+/* sup |f^(terms)| / (terms! 2^(terms - 1)) for exp(-x t) times what it is at the low end. */
+static double remainder_of(double x, size_t terms)
 {
-    double x2 = x * x, x4 = x2 * x2;
+    double x4 = (x * x) * (x * x), x8 = x4 * x4;
 
-    return x4 * x4;
+    return 1.01 * (terms == MANY_TERMS        ? x8 / 5160960.0
+                   : terms == MANY_TERMS_MORE ? x8 * x4 / (479001600.0 * 2048.0)
+                                              : x8 * x8 / (20922789888000.0 * 32768.0));
 }
 
-/* exp(-c_m s) over window w, and the errors of it, n and u. */
-static void fill_shapes(struct many_fast *f, size_t w, double snapped)
+/* exp(-c_m s) over window w, and the errors of it, n and u; with more terms or not. */
+static void fill_shapes(struct many_fast *f, size_t w, int more, double snapped)
 {
     struct many_window *window = &f->window[w];
     double low = window->center - window->radius, high = window->center + window->radius;
     double n2 = 0.0, u = 0.0;
-    size_t m, j;
+    size_t terms = more ? MANY_TERMS_MORE : MANY_TERMS, stride = more ? MANY_STRIDE_MORE : MANY_TERMS, m, j;
 
     for (m = 0; m < f->distinct; m++) {
-        double *shape = f->shape + (w * f->distinct + m) * MANY_TERMS, value[MANY_TERMS], error, size;
-        double x = f->c[m] * window->radius, phi = kernel_exp(-f->c[m] * low);
+        double *shape = f->shape[more] + (w * f->distinct + m) * stride, value[MANY_TERMS_MORE], error, size;
+        double phi = kernel_exp(-f->c[m] * low);
 
-        for (j = 0; j < MANY_TERMS; j++) {
-            value[j] = kernel_exp(-f->c[m] * (window->center + window->radius * node_place(j, MANY_TERMS)));
+        for (j = 0; j < terms; j++) {
+            value[j] = kernel_exp(-f->c[m] * (window->center + window->radius * node_place(j, terms)));
         }
-        interpolate(value, MANY_TERMS, shape);
-        size = fmax(phi, magnitude(shape, MANY_TERMS));
-        error = 1.01 * phi * eighth_power(x) / 5160960.0 +
+        interpolate(value, terms, shape);
+        for (j = terms; j < stride; j++) {
+            shape[j] = 0.0;
+        }
+        size = fmax(phi, magnitude(shape, terms));
+        error = phi * remainder_of(f->c[m] * window->radius, terms) +
                 size * (TOL_UNIT * (ROUNDING + 8.0 * f->c[m] * high + 4.0 * (double)f->used) +
                         2.0 * snapped * f->c[m] * high);
         n2 += f->bb[m] * (error * error);
         u += f->ab[m] * error;
     }
-    window->n_error = 1.01 * sqrt(n2);
-    window->u_error = 1.01 * u;
+    window->n_error[more] = 1.01 * sqrt(n2);
+    window->u_error[more] = 1.01 * u;
 }
 
 /* D and u over window w. */
 static void fill_geometry(struct many_fast *f, size_t w, double snapped)
 {
     struct many_window *window = &f->window[w];
-    double d[MANY_TERMS_D], u[MANY_TERMS_D], low = window->center - window->radius;
+    double d[MANY_TERMS_D], u[MANY_TERMS_D], unused, low = window->center - window->radius;
     double high = window->center + window->radius;
-    double h12 = 0.0, u12 = 0.0, u0 = 0.0, h = 0.0, largest = 0.0, rounding;
+    double h16 = 0.0, u16 = 0.0, u0 = 0.0, h = 0.0, largest = 0.0, rounding;
     size_t j, m;
+    int more;
 
-    for (j = 0; j < MANY_TERMS; j++) {
-        (void)d_of(f, window->center + window->radius * node_place(j, MANY_TERMS), &u[j]);
+    for (more = 0; more < 2; more++) {
+        size_t terms = more ? MANY_TERMS_MORE : MANY_TERMS;
+
+        for (j = 0; j < terms; j++) {
+            (void)d_of(f, window->center + window->radius * node_place(j, terms), &u[j]);
+        }
+        interpolate(u, terms, window->u[more]);
+        window->u_third[more] = third(window->u[more], terms);
     }
-    interpolate(u, MANY_TERMS, window->u);
     for (j = 0; j < MANY_TERMS_D; j++) {
-        d[j] = d_of(f, window->center + window->radius * node_place(j, MANY_TERMS_D), &u[j]);
+        d[j] = d_of(f, window->center + window->radius * node_place(j, MANY_TERMS_D), &unused);
     }
     interpolate(d, MANY_TERMS_D, window->d);
     for (m = 0; m < f->distinct; m++) {
-        double phi = kernel_exp(-f->c[m] * low), x = f->c[m] * window->radius;
-        double x12 = eighth_power(x) * (x * x) * (x * x);
+        double phi = kernel_exp(-f->c[m] * low), rest = remainder_of(f->c[m] * window->radius, MANY_TERMS_D);
 
         h += f->bb[m] * phi * phi;
-        h12 += 4096.0 * x12 * f->bb[m] * phi * phi;
-        u12 += x12 * f->ab[m] * phi;
+        h16 += 65536.0 * rest * f->bb[m] * phi * phi;
+        u16 += rest * f->ab[m] * phi;
         u0 += f->ab[m] * phi;
         largest = fmax(largest, f->c[m] * high * phi);
     }
-    rounding = TOL_UNIT * (16.0 * ROUNDING + 16.0 * largest + 4.0 * (double)f->used) + 4.0 * snapped * largest;
-    window->d_error = 1.01 * (h12 + 4096.0 * u12 * u0) / (479001600.0 * 2048.0) +
-                      (h + u0 * u0 + magnitude(window->d, MANY_TERMS_D)) * rounding;
+    rounding = TOL_UNIT * (ROUNDING + 16.0 * largest + 4.0 * (double)f->used) + 4.0 * snapped * largest;
+    window->d_error = 1.01 * (h16 + 65536.0 * u16 * u0) + (h + u0 * u0 + magnitude(window->d, MANY_TERMS_D)) * rounding;
     window->d_third = third(window->d, MANY_TERMS_D);
-    window->u_third = third(window->u, MANY_TERMS);
 }
 
 /* Smallest sqrt(D) over its chord from root_low to root_high, piece by piece. */
@@ -415,7 +427,8 @@ static int fill_tables(struct many_fast *f, double theta_low, double theta_high,
             w = node - 1;
             f->window[w].center = 0.5 * (s_before + s);
             f->window[w].radius = 0.5 * (s - s_before) * (1.0 + 1e-15); /* covers its ends whatever was rounded */
-            fill_shapes(f, w, snapped);
+            fill_shapes(f, w, 0, snapped);
+            fill_shapes(f, w, 1, snapped);
             fill_geometry(f, w, snapped);
             fill_screen(f, w, d_before, d);
         } else {

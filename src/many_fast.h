@@ -17,15 +17,18 @@
 #define MANY_TILE LANES
 /* Coefficients of a polynomial over a window: one a lane. */
 #define MANY_TERMS LANES
-/* Of D, which bends twice as much. */
-#define MANY_TERMS_D 12
+/* The same where those are too coarse for the gap; and of D, which bends twice as much. */
+#define MANY_TERMS_MORE 12
+#define MANY_TERMS_D 16
+/* Distance of two such polynomials of shapes. */
+#define MANY_STRIDE_MORE 16
 
 /* An interval of s, [center - radius, center + radius], and t = (s - center) / radius. */
 struct many_window {
     double center, radius;
-    double d[MANY_TERMS_D], u[MANY_TERMS];   /* polynomials of D and u in t */
-    double d_error, u_error, n_error;        /* how far they, and those of n_k per |I_k|, may be from the truth */
-    double d_third, u_third;                 /* |third derivative| / 6 of the polynomials, at most */
+    double d[MANY_TERMS_D], u[2][MANY_TERMS_MORE]; /* polynomials of D and u in t; [1]: with more terms */
+    double d_error, u_error[2], n_error[2]; /* how far they, and those of n_k per |I_k|, may be from the truth */
+    double d_third, u_third[2];             /* |third derivative| / 6 of the polynomials, at most */
     double delta, shrink;                    /* screening: see many_fast.c; shrink <= 0: it cannot be screened */
 };
 
@@ -46,7 +49,7 @@ struct many_fast {
     double *c, *bb, *ab;    /* PADDED(M): c - c_min, sum b^2, sum a b / |a| */
     double *phi;            /* nodes / LANES x M x LANES: exp(-c s) */
     double *inverse_d;      /* nodes: 1 / D; 0 beyond the last */
-    double *shape;          /* N x M x MANY_TERMS: polynomials of exp(-c s) */
+    double *shape[2];       /* N x M x MANY_TERMS, or MANY_STRIDE_MORE: polynomials of exp(-c s) */
     struct many_window *window;
 };
 

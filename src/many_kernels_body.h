@@ -13,6 +13,8 @@
 
 /* Better valleys that a proof may meet before the general path takes over. */
 #define ATTEMPTS 5
+/* Share of the gap that the error of the polynomials may take before those with more terms are used. */
+#define COARSE 0.2
 
 struct tile_state {
     struct climb climb;
@@ -124,34 +126,35 @@ static void screen(const struct many_fast *f, const struct many_tile *tile, stru
     }
 }
 
-static double third_of(const double *c)
+static double third_of(const double *c, size_t terms)
 {
-    static const double binomial[MANY_TERMS] = {0.0, 0.0, 0.0, 1.0, 4.0, 10.0, 20.0, 35.0};
+    static const double binomial[MANY_TERMS_MORE] = {0.0,  0.0,  0.0,  1.0,  4.0,   10.0,
+                                                     20.0, 35.0, 56.0, 84.0, 120.0, 165.0};
     double sum = 0.0;
     size_t j;
 
-    for (j = 3; j < MANY_TERMS; j++) {
+    for (j = 3; j < terms; j++) {
         sum += binomial[j] * fabs(c[j]);
     }
     return sum * (1.0 + TOL_CURVATURE);
 }
 
 /* How far a gain from the polynomials of window w may be from the truth, relative to the data's sum of squares. */
-static double gain_error(const struct many_fast *f, size_t w)
+static double gain_error(const struct many_fast *f, size_t w, int more)
 {
     const struct many_window *window = &f->window[w];
     double inverse = fmax(f->inverse_d[w], f->inverse_d[w + 1]);
 
-    return f->slack + 2.0 * (window->n_error + window->u_error) * sqrt(inverse) + window->d_error * inverse;
+    return f->slack + 2.0 * (window->n_error[more] + window->u_error[more]) * sqrt(inverse) + window->d_error * inverse;
 }
 
 /* Bound every window that is left of one texel: 1 proven, 0 not; -1: a better point is where the climb now starts. */
 static int prove(const struct many_fast *f, struct many_tile *tile, struct tile_state *st, size_t lane)
 {
     size_t K = f->channels, k, w, calls = 0;
-    double *omega = tile->work + K * MANY_TERMS, *norm = omega + K, *third = norm + K;
+    double *omega = tile->work + K * MANY_STRIDE_MORE, *norm = omega + K, *third = norm + K;
     double incumbent = st->rest[lane] - st->best[lane], noise;
-    struct bound_texel b = {f, NULL, tile->work, omega, norm, third, st->gamma[lane], f->slack, 0.0, 0.0};
+    struct bound_texel b = {f, NULL, 0, tile->work, omega, norm, third, st->gamma[lane], f->slack, 0.0, 0.0};
     uint64_t left = st->left[lane];
     int proven = 1;
 
@@ -164,11 +167,13 @@ static int prove(const struct many_fast *f, struct many_tile *tile, struct tile_
             continue;
         }
         b.window = &f->window[w];
-        window_data(f, tile, w, lane, tile->work);
+        b.more = gain_error(f, w, 0) * st->total[lane] > COARSE * (st->best[lane] - st->level[lane]);
+        window_data(f, tile, w, b.more, lane, tile->work);
         for (k = 0; k < K; k++) {
-            third[k] = third_of(tile->work + k * MANY_TERMS);
+            third[k] = b.more ? third_of(tile->work + k * MANY_STRIDE_MORE, MANY_TERMS_MORE)
+                              : third_of(tile->work + k * MANY_TERMS, MANY_TERMS);
         }
-        noise = incumbent + 2e-7 * fmax(st->best[lane], 0.0) + gain_error(f, w) * st->total[lane];
+        noise = incumbent + 2e-7 * fmax(st->best[lane], 0.0) + gain_error(f, w, b.more) * st->total[lane];
         b.best = noise;
         proven = bound_window(&b, (st->best_s[lane] - b.window->center) / b.window->radius, &calls);
         if (b.best > noise) {

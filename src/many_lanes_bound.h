@@ -37,7 +37,8 @@ struct pieces {
 struct bound_texel {
     const struct many_fast *fast;
     const struct many_window *window;
-    const double *n;      /* K x MANY_TERMS */
+    int more;             /* polynomials with more terms */
+    const double *n;      /* K x MANY_TERMS, or MANY_STRIDE_MORE */
     const double *omega, *norm, *third; /* K: omega, |I_k|, sup |n'''| / 6 */
     double gamma, slack;
     double best, best_t;  /* gain at the centre of pieces: above the incumbent's, the climb was in the wrong valley */
@@ -63,25 +64,27 @@ struct bounded {
     double sup[LANES], gained[LANES], lifted[LANES], d[LANES];
 };
 
-LANES_INLINE void bound_part(const struct bound_texel *b, const struct pieces *pieces, size_t part,
+LANES_INLINE void bound_part(const struct bound_texel *b, const struct pieces *pieces, size_t part, int more,
                              struct bounded *out)
 {
+    const int terms = more ? MANY_TERMS_MORE : MANY_TERMS;
+    const size_t stride = more ? MANY_STRIDE_MORE : MANY_TERMS;
     const struct many_window *w = b->window;
     vec t = vec_load(pieces->center + part), zero = vec_set(0.0), h = vec_load(pieces->half + part) * (1.0 + 1e-9);
     vec h2 = h * h, h3 = h2 * h;
-    struct taylor d = taylor_at(w->d, MANY_TERMS_D, t), u = taylor_at(w->u, MANY_TERMS, t);
+    struct taylor d = taylor_at(w->d, MANY_TERMS_D, t), u = taylor_at(w->u[more], terms, t);
     vec hh = d.f0 + u.f0 * u.f0, a0 = zero, a1 = zero, a2 = zero, a3 = zero, lifted = zero, size = zero, gained = zero;
-    vec d_error = w->d_third * h3 + w->d_error, u_error = w->u_third * h3 + w->u_error;
+    vec d_error = w->d_third * h3 + w->d_error, u_error = w->u_third[more] * h3 + w->u_error[more];
     vec cosine = u.f0 / hh, g, end;
     vec_mask inside;
     size_t k;
 
     for (k = 0; k < b->fast->channels; k++) {
-        struct taylor n = taylor_at(b->n + k * MANY_TERMS, MANY_TERMS, t);
+        struct taylor n = taylor_at(b->n + k * stride, terms, t);
         vec omega = vec_set(b->omega[k]);
         vec lambda = vec_max(cosine * vec_max(n.f0 + omega * u.f0, zero) - omega, zero);
         vec v0 = n.f0 - lambda * u.f0, v1 = n.f1 - lambda * u.f1, v2 = n.f2 - lambda * u.f2;
-        vec e = b->third[k] * h3 + w->n_error * b->norm[k] + lambda * u_error;
+        vec e = b->third[k] * h3 + w->n_error[more] * b->norm[k] + lambda * u_error;
         vec spread = vec_abs(v1) * h + vec_abs(v2) * h2 + e, s = vec_abs(v0) + spread;
         vec top = vec_max(v0 + spread, zero), positive = vec_max(v0, zero);
         vec_mask square = v0 > zero;
@@ -115,7 +118,11 @@ static unsigned bound_pieces(struct bound_texel *b, const struct pieces *pieces)
     size_t l, part;
 
     for (part = 0; part < LANES; part += VEC) {
-        bound_part(b, pieces, part, &out);
+        if (b->more) {
+            bound_part(b, pieces, part, 1, &out);
+        } else {
+            bound_part(b, pieces, part, 0, &out);
+        }
     }
     for (l = 0; l < LANES; l++) {
         left |= (unsigned)!(out.sup[l] <= 0.0) << l;

@@ -35,28 +35,29 @@ LANES_INLINE struct taylor taylor_rows(const double *c, int terms, vec t)
     return p;
 }
 
-/* n_k over a window for one texel: MANY_TERMS coefficients a channel into `out`. */
-static void window_data(const struct many_fast *f, const struct many_tile *tile, size_t w, size_t lane, double *out)
+/* n_k over a window for one texel, each channel's coefficients `stride` apart; with more terms or not. */
+static void window_data(const struct many_fast *f, const struct many_tile *tile, size_t w, int more, size_t lane,
+                        double *out)
 {
-    size_t M = f->distinct, K = f->channels, m, k, part;
+    size_t M = f->distinct, K = f->channels, stride = more ? MANY_STRIDE_MORE : MANY_TERMS, m, k, part;
 
-    for (part = 0; part < MANY_TERMS; part += VEC) {
-        const double *shape = f->shape + w * M * MANY_TERMS + part;
+    for (part = 0; part < stride; part += VEC) {
+        const double *shape = f->shape[more] + w * M * stride + part;
 
         for (k = 0; k < K; k++) {
             const double *sum = tile->sum + k * M * LANES + lane;
-            vec even = vec_set(0.0), odd = even, third = even, fourth = even;
+            vec first = vec_set(0.0), second = first, third = first, fourth = first;
 
             for (m = 0; m + 4 <= M; m += 4) {
-                even += vec_load(shape + m * MANY_TERMS) * sum[m * LANES];
-                odd += vec_load(shape + (m + 1) * MANY_TERMS) * sum[(m + 1) * LANES];
-                third += vec_load(shape + (m + 2) * MANY_TERMS) * sum[(m + 2) * LANES];
-                fourth += vec_load(shape + (m + 3) * MANY_TERMS) * sum[(m + 3) * LANES];
+                first += vec_load(shape + m * stride) * sum[m * LANES];
+                second += vec_load(shape + (m + 1) * stride) * sum[(m + 1) * LANES];
+                third += vec_load(shape + (m + 2) * stride) * sum[(m + 2) * LANES];
+                fourth += vec_load(shape + (m + 3) * stride) * sum[(m + 3) * LANES];
             }
             for (; m < M; m++) {
-                even += vec_load(shape + m * MANY_TERMS) * sum[m * LANES];
+                first += vec_load(shape + m * stride) * sum[m * LANES];
             }
-            vec_store(out + k * MANY_TERMS + part, (even + odd) + (third + fourth));
+            vec_store(out + k * stride + part, (first + second) + (third + fourth));
         }
     }
 }
@@ -73,12 +74,12 @@ static void enter_window(const struct many_fast *f, struct many_tile *tile, stru
     const struct many_window *w = &f->window[c->window[lane]];
     size_t j, k;
 
-    window_data(f, tile, c->window[lane], lane, tile->work);
+    window_data(f, tile, c->window[lane], 0, lane, tile->work);
     for (j = 0; j < MANY_TERMS_D; j++) {
         c->d[j * LANES + lane] = w->d[j];
     }
     for (j = 0; j < MANY_TERMS; j++) {
-        c->u[j * LANES + lane] = w->u[j];
+        c->u[j * LANES + lane] = w->u[0][j];
         for (k = 0; k < f->channels; k++) {
             tile->n[(k * MANY_TERMS + j) * LANES + lane] = tile->work[k * MANY_TERMS + j];
         }

@@ -16,7 +16,7 @@
 static int choose_scales(const brdffit_plan *plan, struct many_tile *tile, size_t lane)
 {
     size_t K = plan->geometry.channels, k;
-    double all = 0.0;
+    double all = 0.0, relative = 0.0;
 
     for (k = 0; k < K; k++) {
         all = fmax(all, tile->scan.magnitude[k * LANES + lane]);
@@ -33,9 +33,9 @@ static int choose_scales(const brdffit_plan *plan, struct many_tile *tile, size_
               (size == 0.0 || size >= 1.0 / FAR_SCALE))) {
             return 0;
         }
-        all = fmax(all, size / *scale);
+        relative = fmax(relative, size / *scale);
     }
-    return all >= 1.0 / FAR;
+    return relative >= 1.0 / FAR;
 }
 
 static void clear_lane(const struct many_fast *f, struct many_tile *tile, size_t lane)
