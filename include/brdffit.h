@@ -663,7 +663,7 @@ typedef struct brdffit_many_stats {
     size_t equal_channels;   /* channels that repeat an earlier one of their texel, bit for bit */
     size_t boxes;            /* bounded */
     size_t nodes;            /* evaluations of the restricted problem, or of its sums, at one roughness */
-    size_t one_lobe_enough;  /* two lobes fitted: one lobe is proven to reach (1 + gap) times the bound */
+    size_t one_lobe_enough;  /* two lobes fitted, and the best single lobe is within the gap of their bound already */
 } brdffit_many_stats;
 
 BRDFFIT_API void brdffit_many_stats_init(brdffit_many_stats *stats);

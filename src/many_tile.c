@@ -163,7 +163,8 @@ static void fit_two(struct many *many, size_t l)
     if (plan->kernels && many->tile.outcome[l].certified && r->status <= BRDFFIT_TEXEL_OPEN) {
         double one = many->tile.outcome[l].e2 * unit_of(plan, &many->tile, l);
 
-        r->one_lobe_enough = one <= (1.0 + plan->options.relative_gap) * r->lower_bound;
+        r->one_lobe_enough = one <= (1.0 + plan->options.relative_gap) * r->lower_bound ||
+                             one - r->lower_bound <= plan->options.absolute_gap * r->sum_of_squares;
     }
 }
 

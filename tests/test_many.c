@@ -427,7 +427,7 @@ static void test_two_lobes(void **state)
     check_against_fit(spec, 8, 2, 17);
 }
 
-/* One-lobe truth with noise, fitted with two: the count of texels that one lobe suffices for, against two fits. */
+/* One-lobe truth, with noise or without, and two-lobe truth, fitted with two lobes: the count of texels that one lobe suffices for, against two fits. */
 static void test_one_lobe_enough(void **state)
 {
     struct brdffit_test_spec spec = brdffit_test_spec_default();
@@ -443,7 +443,7 @@ static void test_one_lobe_enough(void **state)
         texel.seed = 300 + t;
         texel.lobes = t < 6 ? 1 : 2;
         texel.sigma[0] = 0.15;
-        texel.noise = 0.01;
+        texel.noise = t < 3 ? 0.0 : 0.01;
         brdffit_test_data_new(&texel, &data);
         memcpy(b.values + t * 84 * 3, data.values, 84 * 3 * sizeof(double));
         brdffit_test_data_free(&data);
@@ -458,10 +458,11 @@ static void test_one_lobe_enough(void **state)
         options.lobes = 1;
         options.relative_gap = 1e-6;
         brdffit_test_fit(&samples, &options, &fit);
-        enough += fit.result.e2 <= 1.02 * b.results.lower_bound[t];
+        enough += fit.result.e2 <= 1.02 * b.results.lower_bound[t] ||
+                  fit.result.e2 <= b.results.lower_bound[t] + 1e-12 * b.results.sum_of_squares[t];
         brdffit_test_fit_free(&fit);
     }
-    assert_true(enough >= 2 && enough <= 6);
+    assert_true(enough >= 3 && enough <= 6);
     assert_int_equal(b.stats.one_lobe_enough, enough);
     batch_free(&b);
 }
