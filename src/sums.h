@@ -13,6 +13,7 @@
 #define BRDFFIT_SUMS_H
 
 #include "brdffit.h"
+#include "environment.h"
 #include "reduce.h"
 #include "strip.h"
 
@@ -72,6 +73,12 @@ static inline struct sums_pair *sums_group(const struct brdffit_sums *sums, size
 /* brdffit_sums_init() with checked options and enough memory. */
 struct brdffit_sums *brdffit_sums_start(void *memory, size_t size, size_t channels, size_t groups,
                                         const brdffit_options *options);
+
+/* brdffit_sums_add() and brdffit_sums_add_row() in the default floating-point environment. */
+ENVIRONMENT_APART brdffit_status brdffit_sums_take(struct brdffit_sums *sums, const brdffit_samples *samples,
+                                                   brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_sums_take_row(struct brdffit_sums *sums, const brdffit_row *row,
+                                                       size_t cells[BRDFFIT_CELL_COUNT], brdffit_error *error);
 
 /* The group of c, made if need be; capacity when there is no room. */
 size_t brdffit_sums_find(struct brdffit_sums *sums, double c);
