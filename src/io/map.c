@@ -37,6 +37,7 @@ int brdffit_io_map(const char *path, size_t limit, struct io_map *map)
 
     map->data = NULL;
     map->size = 0;
+    map->borrowed = 0;
     descriptor = strcmp(path, "-") == 0 ? -1 : open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
     if (descriptor >= 0) {
         map_descriptor(descriptor, limit, map);
@@ -48,7 +49,7 @@ int brdffit_io_map(const char *path, size_t limit, struct io_map *map)
 
 void brdffit_io_unmap(struct io_map *map)
 {
-    if (map->data) {
+    if (map->data && !map->borrowed) {
         (void)munmap((void *)(uintptr_t)map->data, map->size);
     }
     map->data = NULL;
