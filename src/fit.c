@@ -119,7 +119,7 @@ brdffit_status brdffit_fit_open(struct fit *f, const brdffit_samples *samples, c
     return BRDFFIT_OK;
 }
 
-brdffit_status brdffit_fit_search(struct fit *f, const brdffit_options *options, brdffit_result *result,
+brdffit_status brdffit_fit_finish(struct fit *f, const brdffit_options *options, brdffit_result *result,
                                   brdffit_error *error)
 {
     struct search_result found;
@@ -148,5 +148,5 @@ brdffit_status brdffit_fit_run(const brdffit_samples *samples, const brdffit_opt
         options = &defaults;
     }
     status = brdffit_fit_open(&fit, samples, options, workspace, workspace_size, result, error);
-    return status == BRDFFIT_OK ? brdffit_fit_search(&fit, options, result, error) : status;
+    return status == BRDFFIT_OK ? brdffit_fit_finish(&fit, options, result, error) : status;
 }

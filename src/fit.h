@@ -58,7 +58,7 @@ brdffit_status brdffit_fit_start(struct fit *fit, const brdffit_options *options
                                  struct search_rules *rules, brdffit_error *error);
 
 /* All that follows the reduction, of a fit that is open. */
-brdffit_status brdffit_fit_search(struct fit *fit, const brdffit_options *options, brdffit_result *result,
+brdffit_status brdffit_fit_finish(struct fit *fit, const brdffit_options *options, brdffit_result *result,
                                   brdffit_error *error);
 
 /* What turns an internal objective into the caller's units. */
@@ -92,10 +92,6 @@ ENVIRONMENT_APART size_t brdffit_fit_workspace(size_t count, size_t channels, co
 ENVIRONMENT_APART brdffit_status brdffit_fit_run(const brdffit_samples *samples, const brdffit_options *options,
                                                  void *workspace, size_t workspace_size, brdffit_result *result,
                                                  brdffit_error *error);
-ENVIRONMENT_APART brdffit_status brdffit_fit_sums_init(void *memory, size_t size, size_t channels, size_t groups,
-                                                       const brdffit_options *options, brdffit_sums **sums,
-                                                       brdffit_error *error);
-ENVIRONMENT_APART size_t brdffit_fit_sums_workspace(const brdffit_sums *sums, const brdffit_options *options);
 ENVIRONMENT_APART brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_options *options,
                                                       void *workspace, size_t workspace_size,
                                                       brdffit_result *result, brdffit_error *error);

@@ -8,8 +8,8 @@
 #include "sums.h"
 #include "tolerance.h"
 
-brdffit_status brdffit_fit_sums_init(void *memory, size_t size, size_t channels, size_t groups,
-                                     const brdffit_options *options, brdffit_sums **sums, brdffit_error *error)
+brdffit_status brdffit_sums_init(void *memory, size_t size, size_t channels, size_t groups,
+                                 const brdffit_options *options, brdffit_sums **sums, brdffit_error *error)
 {
     size_t needed = brdffit_sums_size(channels, groups);
     brdffit_options defaults;
@@ -36,9 +36,9 @@ brdffit_status brdffit_fit_sums_init(void *memory, size_t size, size_t channels,
     return BRDFFIT_OK;
 }
 
-size_t brdffit_fit_sums_workspace(const brdffit_sums *sums, const brdffit_options *options)
+size_t brdffit_sums_workspace_size(const brdffit_sums *sums, const brdffit_options *options)
 {
-    return sums ? brdffit_fit_workspace(brdffit_sums_rows(sums), sums->channels, options) : 0;
+    return sums ? brdffit_workspace_size(brdffit_sums_rows(sums), sums->channels, options) : 0;
 }
 
 static brdffit_status check_call(const brdffit_sums *sums, const brdffit_options *o, const void *workspace,
@@ -59,7 +59,7 @@ static brdffit_status check_call(const brdffit_sums *sums, const brdffit_options
     if (o->distribution != sums->distribution || o->max_incidence != sums->max_incidence) {
         return brdffit_fail(error, BRDFFIT_ERR_OPTION, "the sums were made for another distribution or max_incidence");
     }
-    needed = brdffit_fit_sums_workspace(sums, o);
+    needed = brdffit_sums_workspace_size(sums, o);
     if (needed == 0) {
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "more groups or channels than can be addressed");
     }
@@ -105,7 +105,7 @@ brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_opti
         status = open_sums(&fit, sums, options, workspace, workspace_size, error);
     }
     if (status == BRDFFIT_OK) {
-        status = brdffit_fit_search(&fit, options, result, error);
+        status = brdffit_fit_finish(&fit, options, result, error);
     }
     if (status == BRDFFIT_OK) {
         result->e2_error = 9.0 * TOL_GRAM * TOL_UNIT * result->sum_of_squares;

@@ -219,7 +219,7 @@ static brdffit_status add_sample(struct brdffit_sums *s, const brdffit_samples *
     return BRDFFIT_OK;
 }
 
-brdffit_status brdffit_sums_take(brdffit_sums *sums, const brdffit_samples *samples, brdffit_error *error)
+brdffit_status brdffit_sums_add_run(brdffit_sums *sums, const brdffit_samples *samples, brdffit_error *error)
 {
     brdffit_status status;
     size_t i;

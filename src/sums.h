@@ -74,12 +74,6 @@ static inline struct sums_pair *sums_group(const struct brdffit_sums *sums, size
 struct brdffit_sums *brdffit_sums_start(void *memory, size_t size, size_t channels, size_t groups,
                                         const brdffit_options *options);
 
-/* brdffit_sums_add() and brdffit_sums_add_row() in the default floating-point environment. */
-ENVIRONMENT_APART brdffit_status brdffit_sums_take(struct brdffit_sums *sums, const brdffit_samples *samples,
-                                                   brdffit_error *error);
-ENVIRONMENT_APART brdffit_status brdffit_sums_take_row(struct brdffit_sums *sums, const brdffit_row *row,
-                                                       size_t cells[BRDFFIT_CELL_COUNT], brdffit_error *error);
-
 /* The group of c, made if need be; capacity when there is no room. */
 size_t brdffit_sums_find(struct brdffit_sums *sums, double c);
 
@@ -87,5 +81,11 @@ size_t brdffit_sums_find(struct brdffit_sums *sums, double c);
 brdffit_status brdffit_sums_reduce(const struct brdffit_sums *sums, const brdffit_options *options,
                                    struct reduced *reduced, brdffit_error *error);
 size_t brdffit_sums_rows(const struct brdffit_sums *sums);
+
+/* The public functions of these names in the floating-point environment as it is (entry.c calls them). */
+ENVIRONMENT_APART brdffit_status brdffit_sums_add_run(brdffit_sums *sums, const brdffit_samples *samples,
+                                                      brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_sums_add_row_run(brdffit_sums *sums, const brdffit_row *row,
+                                                          size_t cells[BRDFFIT_CELL_COUNT], brdffit_error *error);
 
 #endif

@@ -201,8 +201,8 @@ static void sweep(struct brdffit_sums *s, const brdffit_row *row, const struct g
     }
 }
 
-brdffit_status brdffit_sums_take_row(brdffit_sums *s, const brdffit_row *row, size_t cells[BRDFFIT_CELL_COUNT],
-                                     brdffit_error *error)
+brdffit_status brdffit_sums_add_row_run(brdffit_sums *s, const brdffit_row *row, size_t cells[BRDFFIT_CELL_COUNT],
+                                    brdffit_error *error)
 {
     brdffit_status status = check_row(s, row, error);
     struct geometry_strip shared;
