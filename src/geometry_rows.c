@@ -19,6 +19,7 @@
 #include "kernel_atan.h"
 #include "kernel_log1p.h"
 #include "tolerance.h"
+#include "vector.h"
 
 #define PI 3.14159265358979323846
 
@@ -32,7 +33,7 @@ static double shadowing(const struct geometry_angles *g)
 {
     double shared = 2.0 * sqrt(cos2_half(g)) / g->cos_difference;
 
-    return fmin(1.0, shared * fmin(g->cos_view, g->cos_light));
+    return smaller(1.0, shared * smaller(g->cos_view, g->cos_light));
 }
 
 /* Beckmann, and GGX in the same geometry (theory 4.4). */
@@ -66,7 +67,7 @@ static void blinn_phong(const struct geometry_angles *g, struct geometry *out)
 
 static void ashikhmin_shirley(const struct geometry_angles *g, struct geometry *out)
 {
-    out->b = g->cos_light / (g->cos_difference * fmax(g->cos_light, g->cos_view));
+    out->b = g->cos_light / (g->cos_difference * larger(g->cos_light, g->cos_view));
     out->c = 0.5 * kernel_log1p(g->tan2_half);
 }
 

@@ -56,8 +56,8 @@ static brdffit_status check_values(struct reduced *r, const brdffit_samples *s, 
         if (!isfinite(value[k])) {
             return brdffit_fail_at(error, "value is not finite", i, k, value[k]);
         }
-        r->channel_scale[k] = fmax(r->channel_scale[k], radiance);
-        r->ii[k] = fmax(r->ii[k], fabs(radiance));
+        r->channel_scale[k] = larger(r->channel_scale[k], radiance);
+        r->ii[k] = larger(r->ii[k], fabs(radiance));
     }
     return BRDFFIT_OK;
 }
@@ -150,10 +150,10 @@ static brdffit_status choose_scales(struct reduced *r, const brdffit_samples *s,
     size_t j;
 
     for (j = 0; j < r->used; j++) {
-        largest_a = fmax(largest_a, r->sample_a[j]);
-        largest_b = fmax(largest_b, r->sample_b[j]);
+        largest_a = larger(largest_a, r->sample_a[j]);
+        largest_b = larger(largest_b, r->sample_b[j]);
         if (s->weights) {
-            largest_w = fmax(largest_w, s->weights[r->sample[j]]);
+            largest_w = larger(largest_w, s->weights[r->sample[j]]);
         }
     }
     r->scale_a = power_of_two(largest_a);
@@ -236,7 +236,7 @@ void brdffit_reduce_snap(struct reduced *r)
         if (!(change <= reach && (first == low || change <= TOL_SNAP * (first - low)))) {
             first = *c;
         } else {
-            r->snapped = first == low ? r->snapped : fmax(r->snapped, change / (first - low));
+            r->snapped = first == low ? r->snapped : larger(r->snapped, change / (first - low));
             *c = first;
         }
     }

@@ -10,6 +10,8 @@
 
 #include <math.h>
 
+#include "vector.h"
+
 /* A compensated sum: high + low is the sum so far. */
 struct sum {
     double high, low;
@@ -109,7 +111,7 @@ static double largest_b(const struct reduced *r, size_t begin, size_t end)
     size_t place;
 
     for (place = begin; place < end; place++) {
-        largest = fmax(largest, r->sample_b[r->order[place]]);
+        largest = larger(largest, r->sample_b[r->order[place]]);
     }
     return largest;
 }
