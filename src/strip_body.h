@@ -20,19 +20,29 @@
 
 typedef double strip_entries __attribute__((vector_size(VEC * 8), aligned(1), may_alias));
 
+/* The last doubles of a plane, and 0 for those that are not there; a call of its own, for it is rare. */
+static __attribute__((noinline)) void strip_tail(const unsigned char *at, size_t readable, double *tail)
+{
+    size_t i;
+
+    for (i = 0; i < VEC; i++) {
+        tail[i] = 0.0;
+    }
+    memcpy(tail, at, readable * sizeof(double));
+}
+
 /* Cells p .. p + VEC - 1 of a plane; those that may not be read are 0. */
 LANES_INLINE vec strip_load(const struct strip *s, size_t channel, size_t p)
 {
     const unsigned char *at = s->plane[channel] + (s->first + p) * sizeof(double);
-    double tail[VEC] = {0.0};
 
-    if (p + VEC <= s->readable) {
-        return *(const strip_entries *)at;
+    if (__builtin_expect(p + VEC > s->readable, 0)) {
+        double tail[VEC];
+
+        strip_tail(at, p < s->readable ? s->readable - p : 0, tail);
+        return vec_load(tail);
     }
-    if (p < s->readable) {
-        memcpy(tail, at, (s->readable - p) * sizeof(double));
-    }
-    return vec_load(tail);
+    return *(const strip_entries *)at;
 }
 
 /* The planes are read side by side, and the hardware follows none of them across a page. */
