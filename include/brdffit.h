@@ -556,6 +556,134 @@ BRDFFIT_API void brdffit_fit_free(brdffit_result *result);
 BRDFFIT_API brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *at,
                                         double *out, brdffit_error *error);
 
+/* ---- Many fits of one geometry: whole maps ------------------------------ */
+
+/*
+ * All that depends on the geometry (lights, views, weights) and the options but not on the values: made once, in
+ * the caller's memory, by brdffit_plan_init(); never changed afterwards, so any number of threads may share one.
+ * It points into itself: it must stay where it was made.
+ */
+typedef struct brdffit_plan brdffit_plan;
+
+/*
+ * Bytes that brdffit_plan_init() needs; 0 when the arguments are invalid or the size overflows. `geometry` is a
+ * brdffit_samples whose `values` are not looked at (NULL is fine); weights are obeyed. `options` may be NULL
+ * (defaults); its progress callback is not called by brdffit_fit_many().
+ */
+BRDFFIT_API size_t brdffit_plan_size(const brdffit_samples *geometry, const brdffit_options *options);
+
+/*
+ * Make a plan at the start of `memory` (any alignment). Keeps copies: the arrays of `geometry` may go afterwards.
+ * Fails as brdffit_fit() would, but for values: BRDFFIT_ERR_NO_SAMPLES, BRDFFIT_ERR_VALUE (with the sample) ...
+ * *plan points into `memory` on success and is untouched on failure.
+ */
+BRDFFIT_API brdffit_status brdffit_plan_init(const brdffit_samples *geometry, const brdffit_options *options,
+                                             void *memory, size_t size, const brdffit_plan **plan,
+                                             brdffit_error *error);
+
+/* Bytes of workspace that brdffit_fit_many() needs, for each thread; the same for any number of texels. */
+BRDFFIT_API size_t brdffit_many_workspace_size(const brdffit_plan *plan);
+
+/* Element type of brdffit_texels.values, in the machine's byte order, aligned as the type asks for. */
+typedef enum brdffit_type {
+    BRDFFIT_TYPE_DOUBLE = 0,
+    BRDFFIT_TYPE_FLOAT, /* 32 bits */
+    BRDFFIT_TYPE_UINT16,
+    BRDFFIT_TYPE_COUNT
+} brdffit_type;
+
+/*
+ * Measured values of many texels; all arrays belong to the caller and are only read. Element
+ * texel * texel_stride + sample * sample_stride + channel * channel_stride of `values`, times `scale`, is what
+ * brdffit_samples.values would hold. So an image stack (sample, y, x, channel) has strides channels,
+ * height * width * channels and 1, and an array (texel, sample, channel) has samples * channels, channels and 1.
+ * brdffit_texels_init() sets the latter for a plan, scale 1, doubles and no mask.
+ */
+typedef struct brdffit_texels {
+    size_t struct_size;
+    size_t count;
+    const void *values;
+    brdffit_type type;
+    double scale;            /* finite and > 0 */
+    ptrdiff_t texel_stride;  /* these three in elements; any sign */
+    ptrdiff_t sample_stride;
+    ptrdiff_t channel_stride;
+    const unsigned char *mask; /* count; 0: skip this texel and do not look at its values. NULL: use all */
+} brdffit_texels;
+
+BRDFFIT_API void brdffit_texels_init(brdffit_texels *texels, const brdffit_plan *plan);
+
+/* What became of a texel. */
+typedef enum brdffit_texel_status {
+    BRDFFIT_TEXEL_CERTIFIED = 0, /* E^2 and bound within relative_gap or absolute_gap */
+    BRDFFIT_TEXEL_OPEN,          /* the search stopped early (`stop` says why): incumbent and bound are valid */
+    BRDFFIT_TEXEL_NO_SIGNAL,     /* every used value is zero: so is the model, and that is certified */
+    BRDFFIT_TEXEL_MASKED,        /* not looked at */
+    BRDFFIT_TEXEL_BAD_VALUE,     /* a used value is NaN or infinite: `where` says which */
+    BRDFFIT_TEXEL_REFUSED,       /* values that brdffit_fit() would refuse otherwise, e.g. all below 1e-304 */
+    BRDFFIT_TEXEL_STATUS_COUNT
+} brdffit_texel_status;
+
+/* Constant snake_case name: "certified", "open", "no_signal", "masked", "bad_value", "refused". */
+BRDFFIT_API const char *brdffit_texel_status_string(brdffit_texel_status status);
+
+/*
+ * Results, texel by texel in the order of the input; K channels, P lobes. Arrays belong to the caller; NULL: not
+ * wanted. A texel that was not fitted (masked, bad value, refused) gets NaN in every floating-point array; one
+ * without signal gets zero coefficients and the largest sigma. Units and meaning are those of brdffit_result, with
+ * the texel's own channel_scale.
+ */
+typedef struct brdffit_texel_results {
+    size_t struct_size;
+    double *sigma;         /* count x P, ascending */
+    double *x;             /* count x K */
+    double *y;             /* count x K x P */
+    double *channel_scale; /* count x K */
+    double *e2;            /* count */
+    double *lower_bound;   /* count; proven */
+    double *sum_of_squares; /* count; E^2 of the zero model */
+    unsigned char *status; /* count; brdffit_texel_status */
+    unsigned char *stop;   /* count; brdffit_stop, of texels that are CERTIFIED or OPEN; else BRDFFIT_STOP_COUNT */
+    size_t *where;         /* count; BAD_VALUE: sample * K + channel; else BRDFFIT_NONE */
+    size_t *boxes;         /* count; bounded by the search */
+} brdffit_texel_results;
+
+/* Zero: every array NULL. */
+BRDFFIT_API void brdffit_texel_results_init(brdffit_texel_results *results);
+
+/* What a call did, and did not need to. Counts are added to what the struct holds; init zeroes them. */
+typedef struct brdffit_many_stats {
+    size_t struct_size;
+    size_t texels;           /* the sum of the next three lines */
+    size_t certified, open;
+    size_t masked, no_signal, bad_value, refused;
+    size_t equal;            /* data equal those of the texel before, bit for bit: its result was copied */
+    size_t general;          /* certified or open texels that took the path of brdffit_fit() */
+    size_t zero_channels;    /* channels without signal of texels that have some */
+    size_t equal_channels;   /* channels that repeat an earlier one of their texel, bit for bit */
+    size_t boxes;            /* bounded */
+    size_t nodes;            /* evaluations of the restricted problem, or of its sums, at one roughness */
+    size_t one_lobe_enough;  /* two lobes fitted: one lobe is proven to reach (1 + gap) times the bound */
+} brdffit_many_stats;
+
+BRDFFIT_API void brdffit_many_stats_init(brdffit_many_stats *stats);
+
+/*
+ * Certified fits of many texels that share the plan's geometry. Each texel is a fit of its own, as brdffit_fit()
+ * would make it: same objective, same gaps, its own proof. Norm L2 with engine moment and an exponential family
+ * runs several texels at a time and takes what only depends on the geometry from the plan; all else, and texels
+ * that resist, take the path of brdffit_fit(). A bad texel never stops the batch.
+ *
+ * A texel's result depends on its own data and the plan alone: not on its neighbours, the order, the size of the
+ * batch, the thread or the instruction set; the bits are the same. No allocation (but for ECOS, where the options
+ * ask for it), no threads: split the texels among your own, each with a workspace. On failure, which only comes
+ * from arguments, results are untouched. `stats` and `error` may be NULL.
+ */
+BRDFFIT_API brdffit_status brdffit_fit_many(const brdffit_plan *plan, const brdffit_texels *texels,
+                                            const brdffit_texel_results *results, void *workspace,
+                                            size_t workspace_size, brdffit_many_stats *stats,
+                                            brdffit_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -10,6 +10,8 @@
 
 #include <unistd.h>
 
+#define BRDFFIT_FUZZ_IN_TEST
+#include "fuzz/fuzz_npz.c"
 #include "io_support.h"
 
 static brdffit_status read_one(const void *data, size_t size, const char *path, const brdffit_io_options *options,
@@ -173,12 +175,43 @@ static void test_sizes(void **state)
     assert_int_equal(brdffit_io_test_live(), 0);
 }
 
+/* An array in a .npz: file or memory, stored or deflated. */
+static void test_array(void **state)
+{
+    const struct fuzz_seed *seeds = make_seeds();
+    size_t i;
+    long k;
+
+    (void)state;
+    for (i = 0; i < SEED_COUNT; i++) {
+        for (k = 0;; k++) {
+            brdffit_array *array = (brdffit_array *)&array;
+            brdffit_error error;
+            brdffit_status status;
+
+            assert_true(k < 100);
+            memset(&error, 0, sizeof error);
+            brdffit_io_test_fail_after(k);
+            status = brdffit_io_array_open_memory(seeds[i].data, seeds[i].size, "b", &array, &error);
+            brdffit_io_test_fail_after(-1);
+            if (status == BRDFFIT_OK) {
+                brdffit_io_array_close(array);
+                break;
+            }
+            io_assert_failed(status, (brdffit_table *)array, &error, BRDFFIT_ERR_MEMORY, "out of memory");
+            assert_int_equal(brdffit_io_test_live(), 0);
+        }
+        assert_int_equal(brdffit_io_test_live(), 0);
+        assert_true(k >= (i == 0 ? 4 : 6)); /* array, tail, directory, header; unpacked bytes and zlib's */
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_csv),  cmocka_unit_test(test_csv_grows), cmocka_unit_test(test_merl),
         cmocka_unit_test(test_gzip), cmocka_unit_test(test_file),      cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_sizes), cmocka_unit_test(test_array),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
