@@ -117,6 +117,12 @@ BRDFFIT_API brdffit_status brdffit_io_read_sums(const char *path, const brdffit_
                                                 const brdffit_options *fit, brdffit_table **table,
                                                 brdffit_error *error);
 
+/* The same from memory, which must stay as it is while table->sums is there. Data may be gzip. */
+BRDFFIT_API brdffit_status brdffit_io_read_sums_memory(const void *data, size_t size,
+                                                       const brdffit_io_options *options,
+                                                       const brdffit_options *fit, brdffit_table **table,
+                                                       brdffit_error *error);
+
 /* Samples in place of sums, of the same file; nothing happens where there are samples already. On failure the table
  * stays as it was. */
 BRDFFIT_API brdffit_status brdffit_io_samples(brdffit_table *table, brdffit_error *error);

@@ -8,77 +8,41 @@
  * looked at, beyond the incidence limit only counted.
  *
  * GCC takes vectors wider than the machine's apart, comparisons even to single doubles. So the LANES are worked on in
- * groups of WIDE, as many as a register holds, one group after the other over the whole strip: a lane adds the same
- * terms in the same order whatever WIDE is.
+ * parts of VEC, as many as a register holds, one part after the other over the whole strip: a lane adds the same
+ * terms in the same order whatever VEC is.
  */
-#include <math.h>
 #include <string.h>
 
 #include "strip.h"
 
-#if defined(__AVX512F__)
-#define WIDE 8
-#elif defined(__AVX2__)
-#define WIDE 4
-#else
-#define WIDE 2
-#endif
-
 /* Doubles; 2 KiB. */
 #define STRIP_AHEAD 256u
 
-typedef double wide __attribute__((vector_size(WIDE * 8)));
-typedef int64_t wide_mask __attribute__((vector_size(WIDE * 8)));
-typedef double wide_memory __attribute__((vector_size(WIDE * 8), aligned(1), may_alias));
+typedef double strip_entries __attribute__((vector_size(VEC * 8), aligned(1), may_alias));
 
-LANES_INLINE wide wide_load(const void *p)
+/* The last doubles of a plane, and 0 for those that are not there; a call of its own, for it is rare. */
+static __attribute__((noinline)) void strip_tail(const unsigned char *at, size_t readable, double *tail)
 {
-    return *(const wide_memory *)p;
+    size_t i;
+
+    for (i = 0; i < VEC; i++) {
+        tail[i] = 0.0;
+    }
+    memcpy(tail, at, readable * sizeof(double));
 }
 
-LANES_INLINE void wide_store(double *p, wide v)
-{
-    *(wide_memory *)p = v;
-}
-
-LANES_INLINE wide wide_set(double x)
-{
-    return x - (wide){0.0};
-}
-
-LANES_INLINE wide wide_and(wide_mask mask, wide x)
-{
-    return (wide)(mask & (wide_mask)x);
-}
-
-LANES_INLINE wide wide_select(wide_mask mask, wide yes, wide no)
-{
-    return (wide)((mask & (wide_mask)yes) | (~mask & (wide_mask)no));
-}
-
-LANES_INLINE wide wide_min(wide x, wide y)
-{
-    return wide_select(x < y, x, y);
-}
-
-LANES_INLINE wide wide_max(wide x, wide y)
-{
-    return wide_select(x > y, x, y);
-}
-
-/* Cells p .. p + WIDE - 1 of a plane; those that may not be read are 0. */
-LANES_INLINE wide strip_load(const struct strip *s, size_t channel, size_t p)
+/* Cells p .. p + VEC - 1 of a plane; those that may not be read are 0. */
+LANES_INLINE vec strip_load(const struct strip *s, size_t channel, size_t p)
 {
     const unsigned char *at = s->plane[channel] + (s->first + p) * sizeof(double);
-    double tail[WIDE] = {0.0};
 
-    if (p + WIDE <= s->readable) {
-        return wide_load(at);
+    if (__builtin_expect(p + VEC > s->readable, 0)) {
+        double tail[VEC];
+
+        strip_tail(at, p < s->readable ? s->readable - p : 0, tail);
+        return vec_load(tail);
     }
-    if (p < s->readable) {
-        memcpy(tail, at, (s->readable - p) * sizeof(double));
-    }
-    return wide_load(tail);
+    return *(const strip_entries *)at;
 }
 
 /* The planes are read side by side, and the hardware follows none of them across a page. */
@@ -89,43 +53,36 @@ LANES_INLINE void strip_prefetch(const struct strip *s, size_t channel, size_t p
     }
 }
 
-LANES_INLINE wide strip_root(wide x)
-{
-    double v[WIDE];
-    size_t i;
-
-    wide_store(v, x);
-    for (i = 0; i < WIDE; i++) {
-        v[i] = sqrt(v[i]);
-    }
-    return wide_load(v);
-}
-
-LANES_INLINE wide strip_b(enum strip_kind kind, wide light, wide view, double shared)
+LANES_INLINE vec strip_b(enum strip_kind kind, vec light, vec view, double shared)
 {
     switch (kind) {
-    case STRIP_SHADOWED: return wide_min(wide_min(light, view) * shared, wide_set(1.0)) / view;
-    case STRIP_ROOT: return strip_root(light / view);
-    case STRIP_SIDE: return (light * shared) / wide_max(light, view);
+    case STRIP_SHADOWED: return vec_min(vec_min(light, view) * shared, vec_set(1.0)) / view;
+    case STRIP_ROOT: return vec_sqrt(light / view);
+    case STRIP_SIDE: return (light * shared) / vec_max(light, view);
     default: return light;
     }
 }
 
-/* high + low += term, exactly but for the roundings of low. */
-LANES_INLINE void strip_fold(double *high, double *low, wide term)
+LANES_INLINE vec strip_and(vec_mask mask, vec x)
 {
-    wide h = wide_load(high), sum = h + term, back = sum - h;
-
-    wide_store(high, sum);
-    wide_store(low, wide_load(low) + ((h - (sum - back)) + (term - back)));
+    return (vec)(mask & (vec_mask)x);
 }
 
-LANES_INLINE int64_t strip_count(wide_mask minus_ones)
+/* high + low += term, exactly but for the roundings of low. */
+LANES_INLINE void strip_fold(double *high, double *low, vec term)
+{
+    vec h = vec_load(high), sum = h + term, back = sum - h;
+
+    vec_store(high, sum);
+    vec_store(low, vec_load(low) + ((h - (sum - back)) + (term - back)));
+}
+
+LANES_INLINE int64_t strip_count(vec_mask minus_ones)
 {
     int64_t sum = 0;
     size_t i;
 
-    for (i = 0; i < WIDE; i++) {
+    for (i = 0; i < VEC; i++) {
         sum -= minus_ones[i];
     }
     return sum;
@@ -138,36 +95,36 @@ struct strip_range {
 
 /* What the sweep over geometry adds up. */
 struct strip_sweep {
-    wide seen, ll, lb, bb, b4;
-    wide_mask used, below, absent;
+    vec seen, ll, lb, bb, b4;
+    vec_mask used, below, absent;
 };
 
 /* Cells of which some may be above the horizon and, unless beyond_limit, some may count. Leaves l and b. */
-LANES_INLINE void strip_cells(const struct strip *s, enum strip_kind kind, size_t p, wide_mask negative,
+LANES_INLINE void strip_cells(const struct strip *s, enum strip_kind kind, size_t p, vec_mask negative,
                               int beyond_limit, double *l, double *b, struct strip_sweep *w)
 {
-    wide cosine = wide_load(s->cosine + p), swing = cosine * s->across;
-    wide light = s->upright - swing, view = s->upright + swing, horizon = wide_set(s->horizon), lobe;
-    wide_mask cell = cosine == cosine, above = (light > horizon) & (view > horizon), use;
+    vec cosine = vec_load(s->cosine + p), swing = cosine * s->across;
+    vec light = s->upright - swing, view = s->upright + swing, horizon = vec_set(s->horizon), lobe;
+    vec_mask cell = cosine == cosine, above = (light > horizon) & (view > horizon), use;
 
     w->below += cell & ~above;
     w->absent += above & negative;
     if (beyond_limit) {
         return;
     }
-    use = above & ~negative & (light >= wide_set(s->min_cosine));
-    lobe = wide_and(use, strip_b(kind, light, view, s->shared));
-    light = wide_and(use, light);
+    use = above & ~negative & (light >= vec_set(s->min_cosine));
+    lobe = strip_and(use, strip_b(kind, light, view, s->shared));
+    light = strip_and(use, light);
     w->used += use;
-    wide_store(l + p, light);
-    wide_store(b + p, lobe);
+    vec_store(l + p, light);
+    vec_store(b + p, lobe);
     w->ll += light * light;
     w->lb += light * lobe;
     w->bb += lobe * lobe;
     w->b4 += (lobe * lobe) * (lobe * lobe);
 }
 
-/* The sweep over geometry in lanes `lane` .. `lane` + WIDE - 1. */
+/* The sweep over geometry in lanes `lane` .. `lane` + VEC - 1. */
 LANES_INLINE struct strip_range strip_lanes(const struct strip *s, enum strip_kind kind, size_t channels, size_t lane,
                                             double *l, double *b, struct strip_totals *t)
 {
@@ -175,11 +132,11 @@ LANES_INLINE struct strip_range strip_lanes(const struct strip *s, enum strip_ki
     struct strip_range range = {0, 0};
     size_t p, k, block;
 
-    w.seen = wide_load(t->seen + lane);
+    w.seen = vec_load(t->seen + lane);
     for (p = lane, block = 0; p < PADDED(s->cells); p += LANES, block++) {
         double light = s->upright - s->across * s->low[block], view = s->upright + s->across * s->high[block];
-        wide value = strip_load(s, 0, p), all = value;
-        wide_mask negative = value < wide_set(0.0);
+        vec value = strip_load(s, 0, p), all = value;
+        vec_mask negative = value < vec_set(0.0);
 
         if (lane == 0) {
             for (k = 0; k < channels; k++) {
@@ -188,7 +145,7 @@ LANES_INLINE struct strip_range strip_lanes(const struct strip *s, enum strip_ki
         }
         for (k = 1; k < channels; k++) {
             value = strip_load(s, k, p);
-            negative |= value < wide_set(0.0);
+            negative |= value < vec_set(0.0);
             all += value;
         }
         w.seen += all;
@@ -201,12 +158,12 @@ LANES_INLINE struct strip_range strip_lanes(const struct strip *s, enum strip_ki
             }
             strip_cells(s, kind, p, negative, 1, l, b, &w);
         } else {
-            w.below += wide_load(s->cosine + p) == wide_load(s->cosine + p);
+            w.below += vec_load(s->cosine + p) == vec_load(s->cosine + p);
         }
-        wide_store(l + p, wide_set(0.0));
-        wide_store(b + p, wide_set(0.0));
+        vec_store(l + p, vec_set(0.0));
+        vec_store(b + p, vec_set(0.0));
     }
-    wide_store(t->seen + lane, w.seen);
+    vec_store(t->seen + lane, w.seen);
     strip_fold(t->high + lane, t->low + lane, w.ll);
     strip_fold(t->high + LANES + lane, t->low + LANES + lane, w.lb);
     strip_fold(t->high + 2 * LANES + lane, t->low + 2 * LANES + lane, w.bb);
@@ -217,38 +174,40 @@ LANES_INLINE struct strip_range strip_lanes(const struct strip *s, enum strip_ki
     return range;
 }
 
-/* A channel in lanes `lane` .. `lane` + WIDE - 1. */
+/* A channel in lanes `lane` .. `lane` + VEC - 1. */
 LANES_INLINE void strip_channel(const struct strip *s, size_t channel, size_t lane, struct strip_range range,
                                 const double *l, const double *b, struct strip_totals *t)
 {
     size_t first = LANES * (4 + 3 * channel) + lane, p;
     double *high = t->high + first, *low = t->low + first, *largest = t->largest + LANES * channel + lane;
-    wide li = wide_set(0.0), bi = li, ii = li, top = wide_load(largest);
+    vec li = vec_set(0.0), bi = li, ii = li, top = vec_load(largest);
 
     for (p = range.begin + lane; p < range.end; p += LANES) {
-        wide light = wide_load(l + p), radiance = (strip_load(s, channel, p) * s->scale[channel]) * light;
+        vec light = vec_load(l + p), radiance = (strip_load(s, channel, p) * s->scale[channel]) * light;
 
         li += light * radiance;
-        bi += wide_load(b + p) * radiance;
+        bi += vec_load(b + p) * radiance;
         ii += radiance * radiance;
-        top = wide_max(radiance, top);
+        top = vec_max(radiance, top);
     }
     strip_fold(high, low, li);
     strip_fold(high + LANES, low + LANES, bi);
     strip_fold(high + 2 * LANES, low + 2 * LANES, ii);
-    wide_store(largest, top);
+    vec_store(largest, top);
 }
 
-LANES_INLINE void strip_add(const struct strip *s, enum strip_kind kind, size_t channels, struct strip_totals *t)
+/* The copy is nobody else's: no store can change it, so its members may stay in registers. */
+LANES_INLINE void strip_add(const struct strip *strip, enum strip_kind kind, size_t channels, struct strip_totals *t)
 {
+    const struct strip s = *strip;
     double l[STRIP_CELLS], b[STRIP_CELLS];
     size_t lane, k;
 
-    for (lane = 0; lane < LANES; lane += WIDE) {
-        struct strip_range range = strip_lanes(s, kind, channels, lane, l, b, t);
+    for (lane = 0; lane < LANES; lane += VEC) {
+        struct strip_range range = strip_lanes(&s, kind, channels, lane, l, b, t);
 
         for (k = 0; k < channels && range.end > range.begin; k++) {
-            strip_channel(s, k, lane, range, l, b, t);
+            strip_channel(&s, k, lane, range, l, b, t);
         }
     }
 }

@@ -14,8 +14,19 @@
 #include "fuzz/fuzz_npz.c"
 #include "io_support.h"
 
+static brdffit_status read_one(const void *data, size_t size, const char *path, const brdffit_io_options *options,
+                               int sums, brdffit_table **table, brdffit_error *error)
+{
+    if (sums) {
+        return data ? brdffit_io_read_sums_memory(data, size, options, NULL, table, error)
+                    : brdffit_io_read_sums(path, options, NULL, table, error);
+    }
+    return data ? brdffit_io_read_memory(data, size, options, table, error)
+                : brdffit_io_read(path, options, table, error);
+}
+
 /* Read `data` (or, with data NULL, `path`), failing allocation 0, 1, ... until none is left to fail. */
-static size_t fail_each(const void *data, size_t size, const char *path, const brdffit_io_options *options)
+static size_t fail_each_of(const void *data, size_t size, const char *path, const brdffit_io_options *options, int sums)
 {
     long k;
 
@@ -26,8 +37,7 @@ static size_t fail_each(const void *data, size_t size, const char *path, const b
 
         memset(&error, 0, sizeof error);
         brdffit_io_test_fail_after(k);
-        status = data ? brdffit_io_read_memory(data, size, options, &table, &error)
-                      : brdffit_io_read(path, options, &table, &error);
+        status = read_one(data, size, path, options, sums, &table, &error);
         brdffit_io_test_fail_after(-1);
         if (status == BRDFFIT_OK) {
             assert_true(brdffit_io_test_live() > 0);
@@ -40,6 +50,11 @@ static size_t fail_each(const void *data, size_t size, const char *path, const b
     }
     fail();
     return 0;
+}
+
+static size_t fail_each(const void *data, size_t size, const char *path, const brdffit_io_options *options)
+{
+    return fail_each_of(data, size, path, options, 0);
 }
 
 static void test_csv(void **state)
@@ -107,6 +122,8 @@ static void test_gzip(void **state)
     (void)state;
     gz = io_gzip(merl.data, merl.size, &size);
     assert_true(fail_each(gz, size, NULL, NULL) >= plain + 3);
+    assert_true(fail_each_of(merl.data, merl.size, NULL, NULL, 1) >= 10);
+    assert_true(fail_each_of(gz, size, NULL, NULL, 1) >= 13);
     free(gz);
     free(merl.data);
 }

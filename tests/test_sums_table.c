@@ -4,6 +4,9 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
+#include <sys/stat.h>
+#include <sys/types.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "io_support.h"
@@ -280,6 +283,36 @@ static void test_other_ways(void **state)
     free(merl.data);
 }
 
+/* A named pipe is opened once, and its writer is not cut off. */
+static void test_pipe(void **state)
+{
+    static char fifo[] = "/tmp/brdffit_sums_fifo_XXXXXX";
+    struct io_merl merl = random_table(30, 9, 40, 0.0, 4);
+    brdffit_table *table = NULL;
+    brdffit_error error;
+    pid_t writer;
+    int status;
+
+    (void)state;
+    assert_int_equal(close(mkstemp(fifo)), 0);
+    assert_int_equal(unlink(fifo), 0);
+    assert_int_equal(mkfifo(fifo, 0600), 0);
+    writer = fork();
+    if (writer == 0) {
+        FILE *file = fopen(fifo, "wb");
+
+        _exit(!(file && fwrite(merl.data, 1, merl.size, file) == merl.size && fclose(file) == 0));
+    }
+    assert_true(writer > 0);
+    assert_int_equal(brdffit_io_read_sums(fifo, NULL, NULL, &table, &error), BRDFFIT_OK);
+    assert_true(table->sums && table->rows == merl.cells);
+    assert_int_equal(waitpid(writer, &status, 0), writer);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    assert_int_equal(unlink(fifo), 0);
+    brdffit_io_free(table);
+    free(merl.data);
+}
+
 static int open_path(void **state)
 {
     int descriptor = mkstemp(path);
@@ -301,6 +334,7 @@ int main(void)
         cmocka_unit_test(test_instruction_sets),
         cmocka_unit_test(test_not_finite),
         cmocka_unit_test(test_other_ways),
+        cmocka_unit_test(test_pipe),
     };
 
     return cmocka_run_group_tests(tests, open_path, remove_path);

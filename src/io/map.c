@@ -31,13 +31,22 @@ static void map_descriptor(int descriptor, size_t limit, struct io_map *map)
     }
 }
 
+/* A pipe must not even be opened: its writer would see a reader come and go. */
+static int is_regular(const char *path)
+{
+    struct stat about;
+
+    return strcmp(path, "-") != 0 && stat(path, &about) == 0 && S_ISREG(about.st_mode);
+}
+
 int brdffit_io_map(const char *path, size_t limit, struct io_map *map)
 {
     int saved = errno, descriptor;
 
     map->data = NULL;
     map->size = 0;
-    descriptor = strcmp(path, "-") == 0 ? -1 : open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+    map->borrowed = 0;
+    descriptor = is_regular(path) ? open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK) : -1;
     if (descriptor >= 0) {
         map_descriptor(descriptor, limit, map);
         (void)close(descriptor);
@@ -48,7 +57,7 @@ int brdffit_io_map(const char *path, size_t limit, struct io_map *map)
 
 void brdffit_io_unmap(struct io_map *map)
 {
-    if (map->data) {
+    if (map->data && !map->borrowed) {
         (void)munmap((void *)(uintptr_t)map->data, map->size);
     }
     map->data = NULL;

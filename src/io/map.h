@@ -9,6 +9,7 @@
 struct io_map {
     const unsigned char *data; /* NULL: nothing is mapped */
     size_t size;
+    int borrowed; /* somebody else's memory: not unmapped */
 };
 
 /* 0 when the file cannot be mapped, for whatever reason: reading it will tell. errno is kept. */

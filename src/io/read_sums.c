@@ -56,33 +56,50 @@ static brdffit_status sum_content(struct io_map *map, struct io_bytes *bytes, co
     return BRDFFIT_OK;
 }
 
-/* What cannot be mapped: pipes and gzip. */
+/* Content that is not a MERL table as it is: gzip is looked through. Takes over `bytes`; or they are somebody else's. */
+static brdffit_status sum_bytes(struct io_bytes *bytes, const unsigned char *data, size_t size,
+                                const brdffit_io_options *io, const brdffit_options *fit, brdffit_table **out,
+                                brdffit_error *error)
+{
+    struct io_bytes unpacked = {NULL, 0, 0};
+    struct io_map none = {NULL, 0, 0};
+    brdffit_status status;
+
+    if (!brdffit_io_is_gzip(data, size)) {
+        status = brdffit_io_parse(data, size, io, out, error);
+        brdffit_io_bytes_free(bytes);
+        return status;
+    }
+    status = brdffit_io_gunzip(data, size, IO_LIMIT_BYTES, &unpacked, error);
+    brdffit_io_bytes_free(bytes);
+    if (status == BRDFFIT_OK && is_merl(unpacked.data, unpacked.size)) {
+        status = sum_content(&none, &unpacked, io, fit, out, error);
+    } else {
+        if (status == BRDFFIT_OK) {
+            status = brdffit_io_parse(unpacked.data, unpacked.size, io, out, error);
+        }
+        brdffit_io_bytes_free(&unpacked);
+    }
+    if (status == BRDFFIT_OK) {
+        (*out)->compressed = 1;
+    }
+    return status;
+}
+
+/* What cannot be mapped, or is no MERL table as it is. */
 static brdffit_status read_content(const char *path, const brdffit_io_options *io, const brdffit_options *fit,
                                    brdffit_table **out, brdffit_error *error)
 {
-    struct io_bytes bytes = {NULL, 0, 0}, unpacked = {NULL, 0, 0};
-    struct io_map none = {NULL, 0};
+    struct io_bytes bytes = {NULL, 0, 0};
+    struct io_map none = {NULL, 0, 0};
     brdffit_status status = brdffit_io_source_read(path, IO_LIMIT_BYTES, &bytes, error);
-    int compressed = status == BRDFFIT_OK && brdffit_io_is_gzip(bytes.data, bytes.size) &&
-                     !is_merl(bytes.data, bytes.size);
 
-    if (compressed) {
-        status = brdffit_io_gunzip(bytes.data, bytes.size, IO_LIMIT_BYTES, &unpacked, error);
+    if (status != BRDFFIT_OK) {
         brdffit_io_bytes_free(&bytes);
-        bytes = unpacked;
+        return status;
     }
-    if (status == BRDFFIT_OK && is_merl(bytes.data, bytes.size)) {
-        status = sum_content(&none, &bytes, io, fit, out, error);
-    } else {
-        if (status == BRDFFIT_OK) {
-            status = brdffit_io_parse(bytes.data, bytes.size, io, out, error);
-        }
-        brdffit_io_bytes_free(&bytes);
-    }
-    if (status == BRDFFIT_OK) {
-        (*out)->compressed = compressed;
-    }
-    return status;
+    return is_merl(bytes.data, bytes.size) ? sum_content(&none, &bytes, io, fit, out, error)
+                                           : sum_bytes(&bytes, bytes.data, bytes.size, io, fit, out, error);
 }
 
 brdffit_status brdffit_io_read_sums(const char *path, const brdffit_io_options *options, const brdffit_options *fit,
@@ -110,6 +127,27 @@ brdffit_status brdffit_io_read_sums(const char *path, const brdffit_io_options *
     }
     brdffit_io_unmap(&map);
     return read_content(path, &checked, fit, table, error);
+}
+
+brdffit_status brdffit_io_read_sums_memory(const void *data, size_t size, const brdffit_io_options *options,
+                                           const brdffit_options *fit, brdffit_table **table, brdffit_error *error)
+{
+    struct io_map map = {data, size, 1};
+    struct io_bytes none = {NULL, 0, 0};
+    brdffit_io_options checked;
+    brdffit_options defaults;
+
+    if (!fit) {
+        brdffit_options_init(&defaults);
+        fit = &defaults;
+    }
+    if (!table || !data || size > IO_LIMIT_BYTES || brdffit_io_options_check(options, &checked, NULL) != BRDFFIT_OK ||
+        !wants_sums(&checked, fit)) {
+        return brdffit_io_read_memory(data, size, options, table, error);
+    }
+    *table = NULL;
+    return is_merl(data, size) ? sum_content(&map, &none, &checked, fit, table, error)
+                               : sum_bytes(&none, data, size, &checked, fit, table, error);
 }
 
 brdffit_status brdffit_io_samples(brdffit_table *table, brdffit_error *error)
