@@ -22,7 +22,10 @@
  *
  * The library never allocates, prints, reads a clock or keeps global state:
  * the caller owns all memory and every call is thread-safe as long as two
- * threads do not share a workspace. SPDX-License-Identifier: MIT
+ * threads do not share a workspace. It computes in the default floating-point
+ * environment (nearest, subnormals, no traps) whatever the caller has set;
+ * the progress callback runs in that one too, and the caller's is back on
+ * return. SPDX-License-Identifier: MIT
  */
 #ifndef BRDFFIT_H
 #define BRDFFIT_H

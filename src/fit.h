@@ -11,6 +11,7 @@
 #include "bound_moment.h"
 #include "bound_socp.h"
 #include "brdffit.h"
+#include "environment.h"
 #include "heap.h"
 #include "reduce.h"
 #include "search.h"
@@ -67,5 +68,19 @@ void brdffit_fit_evaluate(struct fit *fit, const struct point *at, int prove, st
 /* Fill *result from the outcome of a search; objective_scale turns its objective into the caller's units. */
 void brdffit_report(struct fit *fit, const brdffit_options *options, double objective_scale,
                     const struct search_result *found, brdffit_result *result);
+
+/* The public functions without the change of the floating-point environment (entry.c calls them). */
+ENVIRONMENT_APART size_t brdffit_fit_workspace(size_t count, size_t channels, const brdffit_options *options);
+ENVIRONMENT_APART brdffit_status brdffit_fit_run(const brdffit_samples *samples, const brdffit_options *options,
+                                                 void *workspace, size_t workspace_size, brdffit_result *result,
+                                                 brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_reprove_run(const brdffit_samples *samples, const brdffit_options *options,
+                                                     double level, void *workspace, size_t workspace_size,
+                                                     brdffit_reproof *reproof, brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit_options *options,
+                                                     size_t *used, size_t skipped[BRDFFIT_SKIP_COUNT],
+                                                     brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_samples *at, double *out,
+                                                  brdffit_error *error);
 
 #endif
