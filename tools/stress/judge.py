@@ -1,0 +1,134 @@
+"""One fit against its reference: errors, and whether anything that is promised does not hold.
+
+SPDX-License-Identifier: MIT
+"""
+import mpmath
+from flint import arb
+
+from reference import Model, Problem
+
+U = 2.0 ** -53
+GAP, ABSOLUTE_GAP = 1e-3, 1e-12
+# |sqrt(e2) - sqrt(E^2)| in units of u sqrt(T): three columns, a scale, an exponential of up to 690 (2 u + its
+# argument's rounding), and the root of a sum of N squares.
+E2_UNITS = 400.0
+COLUMNS = ("failure", "family", "name", "stop", "certified", "boxes", "share", "e2_relative", "e2_units", "excess",
+           "excess_of_data", "sigma_error", "sigma_units", "x_error", "y_error", "own_x_error", "own_y_error", "margin",
+           "same_bits", "twin_boxes", "basin")
+
+
+def relative(found, true):
+    """Largest difference, relative to the largest true one."""
+    size = max(map(abs, true), default=0.0)
+    return max((abs(f - t) for f, t in zip(found, true)), default=0.0) / size if size > 0 else None
+
+
+def by_lobe(found, true, lobes):
+    errors = [relative(found[p::lobes], true[p::lobes]) for p in range(lobes)]
+    return max((e for e in errors if e is not None), default=None)
+
+
+def lowest(problem, answer):
+    """The best model of all starts, its curvature, and the best model at the library's own sigma."""
+    own = [-2 * arb(s).log() for s in answer["sigma"]]
+    at_own = Model(problem, problem.clip(own))
+    starts = [own, *problem.starts()]
+    if problem.case.truth:
+        starts.append([arb(float(s)).log() for s in problem.case.truth])
+    best, curvature = problem.polish(starts[0])
+    for start in starts[1:]:
+        other, bent = problem.polish(start)
+        if other.e2.mid() < best.e2.mid() and float((best.e2 - other.e2) / problem.total) > 1e-60:
+            best, curvature = other, bent
+    return best, curvature, at_own
+
+
+def failures(case, answer, problem, best, e2_units):
+    """What is promised and does not hold."""
+    bound, e2, total = arb(answer["lower_bound"]), arb(answer["e2"]), problem.total
+    if bound > best.e2:
+        yield (f"PROVEN: lower bound {answer['lower_bound']!r} above E^2 {best.e2.str(25)} at theta "
+               f"{[t.str(20, radius=False) for t in best.theta]}")
+    if not bound <= e2:
+        yield "the bound is above e2"
+    if e2_units > E2_UNITS:
+        yield f"e2 {answer['e2']!r} is {e2_units:.3g} u sqrt(T) off the E^2 of its own model"
+    if answer["certified"]:
+        slack = arb(E2_UNITS * U) * (best.e2 * total).sqrt() + arb(E2_UNITS * U) ** 2 * total
+        if e2 > best.e2 * (1 + arb(GAP)) + slack and e2 > best.e2 + arb(ABSOLUTE_GAP) * total + slack:
+            yield f"certified, but a model has {best.e2.str(20)}, beyond the gap"
+    if not answer["same_bits"]:
+        yield "other bits in another floating-point environment"
+
+
+def sigma_error(case, answer, best):
+    """Largest relative error of sigma over the lobes that are used; inside a flat interval there is none."""
+    true = sorted((float((-t / 2).exp()), p) for p, t in enumerate(best.theta))
+    worst = None
+    for (sigma, p), found, (low, high) in zip(true, answer["sigma"], answer["interval"]):
+        if all(float(z[1 + p]) == 0 for z in best.z):
+            continue
+        if low < high and low * (1 - 1e-9) <= sigma <= high * (1 + 1e-9):
+            error = 0.0
+        else:
+            error = abs(found / sigma - 1)
+        worst = error if worst is None else max(worst, error)
+    return worst
+
+
+def ordered(problem, model):
+    """x, y of a model with lobes by ascending sigma."""
+    x, y = problem.physical(model)
+    lobes = problem.lobes
+    order = sorted(range(lobes), key=lambda p: -float(model.theta[p]))
+    return x, [y[k * lobes + p] for k in range(problem.channels) for p in order]
+
+
+def judge(case, answer, twin=None):
+    row = dict.fromkeys(COLUMNS)
+    row.update(family=case.family, name=case.name, failure="")
+    if "error" in answer:
+        row.update(stop=answer["error"], failure="refused: " + answer["error"])
+        return row
+    row.update({key: answer[key] for key in ("stop", "certified", "boxes", "same_bits")})
+    row["twin_boxes"] = twin["boxes"] if twin else None
+    problem = Problem(case, answer["scale"], answer["sigma_floor"])
+    if problem.low is None:
+        row["stop"] += " (no lobe has finite y)"
+        return row
+    best, curvature, at_own = lowest(problem, answer)
+    e2, total = arb(answer["e2"]), problem.total
+    units = abs(e2.sqrt() - at_own.e2.sqrt()) / (arb(U) * total.sqrt()) if total > 0 else arb(0)
+    row["e2_units"] = float(units)
+    row["share"] = float(best.e2 / total) if total > 0 else 0.0
+    row["excess_of_data"] = float((at_own.e2 - best.e2) / total) if total > 0 else 0.0
+    row["same_bits"] = answer["same_bits"]
+    row["failure"] = "; ".join(failures(case, answer, problem, best, row["e2_units"]))
+    second_opinion(problem, best, row)
+    if row["share"] > 1e-24:
+        row["e2_relative"] = float(abs(e2 / at_own.e2 - 1))
+        row["excess"] = float(at_own.e2 / best.e2 - 1)
+        row["margin"] = float(1 - arb(answer["lower_bound"]) / best.e2)
+    x, y = ordered(problem, at_own)
+    row["own_x_error"], row["own_y_error"] = relative(answer["x"], x), by_lobe(answer["y"], y, case.lobes)
+    row["basin"] = "same" if row["excess_of_data"] <= 1e-13 * max(row["share"], 1e-13) else "another"
+    if row["basin"] == "same":
+        row["sigma_error"] = sigma_error(case, answer, best)
+        if row["sigma_error"] is not None and curvature is not None and curvature > 0:
+            noise = arb(U) * (best.e2 * total).sqrt() + arb(U) ** 2 * total
+            row["sigma_units"] = row["sigma_error"] / float((noise / curvature).sqrt())
+        x, y = ordered(problem, best)
+        row["x_error"], row["y_error"] = relative(answer["x"], x), by_lobe(answer["y"], y, case.lobes)
+    return row
+
+
+def second_opinion(problem, best, row):
+    """mpmath has to agree with Arb about the minimum to its own 50 digits."""
+    again = problem.again(best.theta)
+    with mpmath.workdps(50):
+        man, exp = best.e2.mid().man_exp()
+        first = mpmath.ldexp(mpmath.mpf(int(man)), int(exp))
+        man, exp = problem.total.mid().man_exp()
+        total = mpmath.ldexp(mpmath.mpf(int(man)), int(exp))
+        if total > 0 and abs(again - first) > mpmath.mpf(10) ** -30 * total:
+            row["failure"] += f"; references disagree: Arb {best.e2.str(20)}, mpmath {mpmath.nstr(again, 20)}"
