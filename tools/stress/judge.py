@@ -13,8 +13,13 @@ GAP, ABSOLUTE_GAP = 1e-3, 1e-12
 # argument's rounding), and the root of a sum of N squares.
 E2_UNITS = 400.0
 COLUMNS = ("failure", "family", "name", "stop", "certified", "boxes", "share", "e2_relative", "e2_units", "excess",
-           "excess_of_data", "sigma_error", "sigma_units", "x_error", "y_error", "own_x_error", "own_y_error", "margin",
+           "excess_of_data", "sigma_error", "sigma_units", "x_error", "y_error", "own_error", "own_units", "margin",
            "same_bits", "twin_boxes", "basin")
+
+
+def root(ball):
+    """Of a ball around something >= 0, which may reach below 0 by its radius."""
+    return ball.max(arb(0)).sqrt()
 
 
 def relative(found, true):
@@ -54,7 +59,7 @@ def failures(case, answer, problem, best, e2_units):
     if e2_units > E2_UNITS:
         yield f"e2 {answer['e2']!r} is {e2_units:.3g} u sqrt(T) off the E^2 of its own model"
     if answer["certified"]:
-        slack = arb(E2_UNITS * U) * (best.e2 * total).sqrt() + arb(E2_UNITS * U) ** 2 * total
+        slack = arb(E2_UNITS * U) * root(best.e2 * total) + arb(E2_UNITS * U) ** 2 * total
         if e2 > best.e2 * (1 + arb(GAP)) + slack and e2 > best.e2 + arb(ABSOLUTE_GAP) * total + slack:
             yield f"certified, but a model has {best.e2.str(20)}, beyond the gap"
     if not answer["same_bits"]:
@@ -98,7 +103,7 @@ def judge(case, answer, twin=None):
         return row
     best, curvature, at_own = lowest(problem, answer)
     e2, total = arb(answer["e2"]), problem.total
-    units = abs(e2.sqrt() - at_own.e2.sqrt()) / (arb(U) * total.sqrt()) if total > 0 else arb(0)
+    units = abs(e2.sqrt() - root(at_own.e2)) / (arb(U) * total.sqrt()) if total > 0 else arb(0)
     row["e2_units"] = float(units)
     row["share"] = float(best.e2 / total) if total > 0 else 0.0
     row["excess_of_data"] = float((at_own.e2 - best.e2) / total) if total > 0 else 0.0
@@ -109,14 +114,14 @@ def judge(case, answer, twin=None):
         row["e2_relative"] = float(abs(e2 / at_own.e2 - 1))
         row["excess"] = float(at_own.e2 / best.e2 - 1)
         row["margin"] = float(1 - arb(answer["lower_bound"]) / best.e2)
-    x, y = ordered(problem, at_own)
-    row["own_x_error"], row["own_y_error"] = relative(answer["x"], x), by_lobe(answer["y"], y, case.lobes)
+    row["own_error"], unit = problem.coefficient_error(at_own, answer["x"], answer["y"])
+    row["own_units"] = row["own_error"] / unit if unit else None
     row["basin"] = "same" if row["excess_of_data"] <= 1e-13 * max(row["share"], 1e-13) else "another"
     if row["basin"] == "same":
         row["sigma_error"] = sigma_error(case, answer, best)
         if row["sigma_error"] is not None and curvature is not None and curvature > 0:
-            noise = arb(U) * (best.e2 * total).sqrt() + arb(U) ** 2 * total
-            row["sigma_units"] = row["sigma_error"] / float((noise / curvature).sqrt())
+            noise = arb(U) * root(best.e2 * total) + arb(U) ** 2 * total
+            row["sigma_units"] = row["sigma_error"] / float((noise / curvature).mid().sqrt())
         x, y = ordered(problem, best)
         row["x_error"], row["y_error"] = relative(answer["x"], x), by_lobe(answer["y"], y, case.lobes)
     return row

@@ -41,7 +41,7 @@ class Model:
         self.z = [self.restricted(right, k) for k in range(problem.channels)]
         fitted = matrix * arb_mat([[self.z[k][j] for k in range(problem.channels)] for j in range(len(self.columns))])
         self.residual = problem.data - fitted
-        self.e2 = sum((r * r for r in self.residual.entries()), arb(0))
+        self.e2 = sum((r ** 2 for r in self.residual.entries()), arb(0))
 
     def restricted(self, right, k):
         """Best z >= 0 of channel k; a support with a coefficient of undecided sign is left to smaller ones."""
@@ -191,12 +191,40 @@ class Problem:
         y = []
         for k in range(self.channels):
             for p, theta in enumerate(model.theta):
-                s = theta.exp()
-                factor = (s + 2) / (2 * arb.pi()) if by_exponent(self.case.distribution) else s
-                if self.case.distribution != "ggx":
-                    factor *= (-min(self.c, key=lambda c: float(c.mid())) * s).exp()
-                y.append(float((model.z[k][1 + p] * self.scale[k] / factor).mid()))
+                y.append(float((model.z[k][1 + p] * self.scale[k] / self.factor(theta)).mid()))
         return x, y
+
+    def factor(self, theta):
+        """What the library's y multiplies beside the column of lobe()."""
+        s = theta.exp()
+        factor = (s + 2) / (2 * arb.pi()) if by_exponent(self.case.distribution) else s
+        if self.case.distribution != "ggx":
+            factor *= (-min(self.c, key=lambda c: float(c.mid())) * s).exp()
+        return factor
+
+    def coefficient_error(self, model, x, y):
+        """Largest difference of a term's length from the best one, relative to the data's; and its unit.
+
+        The unit is what least squares may lose by rounding: u (k + k^2 |r| / |I|), k the condition of the columns.
+        """
+        error, factors = arb(0), [arb(1), *(self.factor(t) for t in model.theta)]
+        lengths = [sum((v * v for v in column), arb(0)).sqrt() for column in model.columns]
+        for k in range(self.channels):
+            size = sum((self.data[i, k] ** 2 for i in range(len(self.a))), arb(0)).sqrt()
+            mine = [x[k], *y[k * self.lobes:(k + 1) * self.lobes]]
+            for j, length in enumerate(lengths):
+                if size > 0:
+                    error = error.max(abs(arb(mine[j]) * factors[j] / self.scale[k] - model.z[k][j]) * length / size)
+        used = [j for j in range(len(lengths)) if any(z[j] > 0 for z in model.z) and lengths[j] > 0]
+        if not used:
+            return float(error), None
+        with mpmath.workdps(100):
+            gram = mpmath.matrix([[mpmath.mpf((model.gram[i, j] / (lengths[i] * lengths[j])).str(90, radius=False))
+                                   for j in used] for i in used])
+            least = max(min(mpmath.eigsy(gram, eigvals_only=True)), mpmath.mpf(10) ** -60)
+        condition = float(1 / mpmath.sqrt(least))
+        share = float((model.e2.mid().max(arb(0)) / self.total).sqrt()) if self.total > 0 else 0.0
+        return float(error), 2.0 ** -53 * (condition + condition ** 2 * share)
 
     # ---- Second opinion ----------------------------------------------------------------------------------------------
 
