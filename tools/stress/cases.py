@@ -168,11 +168,25 @@ def subnormal(m):
     return m.case(a, b, c, v, s)
 
 
+def goniometer():
+    """The paper's 84 directions: a, b, c of Beckmann, which serve for every distribution here."""
+    view, azimuth, light = (v.ravel() for v in np.meshgrid(*map(np.radians, (
+        [0, 20, 40, 60], [0, 90, 180], [0, 10, 20, 30, 40, 50, 60])), indexing="ij"))
+    h = np.stack([np.sin(light) * np.cos(azimuth) - np.sin(view), np.sin(light) * np.sin(azimuth),
+                  np.cos(light) + np.cos(view)])
+    nl, nv, nh, vh = np.cos(light), np.cos(view), h[2] / np.sqrt((h ** 2).sum(0)), np.sqrt((h ** 2).sum(0)) / 2
+    masking = np.minimum(1, 2 * nh * np.minimum(nl, nv) / vh)
+    c = (h[0] ** 2 + h[1] ** 2) / h[2] ** 2
+    return nl / np.pi, masking / (np.pi * nv * nh ** 4), np.where(c < 1e-20, 0, c)
+
+
 def near_exact(m):
-    """E^2 of 1e-14 ... 1e-8 of the data: above rounding, below what the gap closes quickly."""
-    a, b, c = m.geometry(60)
-    s = m.lobe_s()
-    return m.case(a, b, c, m.values(a, b, c, s, 10 ** m.random.uniform(-7, -4)), s)
+    """Two lobes 3 to 30 % apart and E^2 of 1e-12 ... 1e-9 of the data: hardly above the absolute gap, hard to tell."""
+    a, b, c = goniometer()
+    m.channels = 3
+    sigma = 10 ** m.random.uniform(-1.4, -0.9) * np.array([1.0, m.random.uniform(1.03, 1.3)])
+    s = 1 / sigma[:m.lobes] ** 2
+    return m.case(a, b, c, m.values(a, b, c, s, 10 ** m.random.uniform(-5.5, -4.2)), s)
 
 
 def noisy_c(m):
@@ -229,7 +243,7 @@ FAMILIES = {
     "residuals": (residuals, "noise 1 down to 10⁻¹⁶, and 0"),
     "mirror": (mirror, "one mirror sample up to 10⁹ × the rest"),
     "subnormal": (subnormal, "subnormal values, a and c; data × 10⁻³⁰³"),
-    "near_exact": (near_exact, "E²/T from 10⁻¹⁴ to 10⁻⁸"),
+    "near_exact": (near_exact, "E²/T of 10⁻¹² to 10⁻⁹, close lobes"),
     "noisy_c": (noisy_c, "c = 10⁻³³ where 0 is meant"),
     "weights": (weights, "weights over 10^±60, some 0"),
     "few": (few, "2 to 5 samples, equal c"),

@@ -28,12 +28,12 @@ def section(rows, members):
                       show(worst([r for r in some if r["basin"] == "same"], "excess")),
                       sum(row["basin"] == "another" for row in some),
                       show(worst(some, "sigma_error")), show(worst(some, "sigma_units")),
-                      show(worst(some, "own_x_error")), show(worst(some, "own_y_error")),
                       show(worst(some, "x_error")), show(worst(some, "y_error")),
+                      show(worst(some, "own_error")), show(worst(some, "own_units")),
                       show(min(margins) if margins else None),
                       sum("bound" in row["failure"] for row in some), f"{worst(some, 'boxes') or 0:,}"])
     head = ["strain", "fits", "certified", "E², relative", "√E² in u√T", "excess of E²", "another basin", "σ",
-            "σ in √(ΔE²/λ)", "x at its σ", "y at its σ", "x", "y", "bound below by", "bounds above", "most boxes"]
+            "σ in √(ΔE²/λ)", "x", "y", "terms at its σ", "in u(k + k²r)", "bound below by", "bounds above", "most boxes"]
     failed = [row for row in rows if row["failure"]]
     out = [BEGIN, "## Stability", "",
            f"Made by `make stress STRESS_MEMBERS={members}`: {len(rows):,} fits (Beckmann, GGX and Blinn–Phong, one and two "
@@ -46,8 +46,10 @@ def section(rows, members):
             "the returned σ over the global minimum; *σ*: relative error; where E² is flat σ cannot be had better than a change that E² shows, so *σ in √(ΔE²/λ)* "
             "divides by that: ΔE² = u√(E²T) + u²T, its rounding, and λ its smallest curvature in ln s. "
             "*Another basin*: the fit is certified within its gap of 10⁻³ or 10⁻¹² T, but at another local optimum than the "
-            "global one (or on a plateau not yet descended); left out of σ, x, y and excess. *x, y at its σ*: against the "
-            "exact coefficients at the returned σ, relative to the largest of their column. *Bound below by*: the smallest "
+            "global one (or on a plateau not yet descended); left out of σ, x, y and excess. *x*, *y*: relative to "
+            "the largest of their column. *Terms at its σ*: the length of what x and y add to the fit against that of the exact "
+            "ones at the same σ, relative to the data's; then in units of what least squares may lose, k the condition of the "
+            "columns, r = √(E²/T). *Bound below by*: the smallest "
             "(minimum − `lower_bound`)/minimum. *Bounds above*: lower bounds that a ball proves to be above an explicit "
             "model's E², by however little.", "",
             f"Every fit of at most 30,000 boxes was run again in nine floating-point environments (rounding down, up, towards "
