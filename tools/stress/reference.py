@@ -41,7 +41,7 @@ class Model:
         self.z = [self.restricted(right, k) for k in range(problem.channels)]
         fitted = matrix * arb_mat([[self.z[k][j] for k in range(problem.channels)] for j in range(len(self.columns))])
         self.residual = problem.data - fitted
-        self.e2 = sum((r ** 2 for r in self.residual.entries()), arb(0))
+        self.e2 = sum((r * r for r in self.residual.entries()), arb(0))
 
     def restricted(self, right, k):
         """Best z >= 0 of channel k; a support with a coefficient of undecided sign is left to smaller ones."""
@@ -210,7 +210,7 @@ class Problem:
         error, factors = arb(0), [arb(1), *(self.factor(t) for t in model.theta)]
         lengths = [sum((v * v for v in column), arb(0)).sqrt() for column in model.columns]
         for k in range(self.channels):
-            size = sum((self.data[i, k] ** 2 for i in range(len(self.a))), arb(0)).sqrt()
+            size = sum((self.data[i, k] * self.data[i, k] for i in range(len(self.a))), arb(0)).sqrt()
             mine = [x[k], *y[k * self.lobes:(k + 1) * self.lobes]]
             for j, length in enumerate(lengths):
                 if size > 0:
@@ -223,7 +223,7 @@ class Problem:
                                    for j in used] for i in used])
             least = max(min(mpmath.eigsy(gram, eigvals_only=True)), mpmath.mpf(10) ** -60)
         condition = float(1 / mpmath.sqrt(least))
-        share = float((model.e2.mid().max(arb(0)) / self.total).sqrt()) if self.total > 0 else 0.0
+        share = float((model.e2.mid() / self.total).sqrt()) if self.total > 0 else 0.0
         return float(error), 2.0 ** -53 * (condition + condition ** 2 * share)
 
     # ---- Second opinion ----------------------------------------------------------------------------------------------

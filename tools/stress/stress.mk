@@ -10,6 +10,8 @@ STRESS_OPTIONS ?=
 $(BUILD)/stress_fit: $(OBJ)/tools/stress/stress_fit.o $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
 	$(call say,LINK,$@)$(LINK) -o $@ $< $(STATIC_IO) $(STATIC) -lz -lm
 
+check-build: $(BUILD)/stress_fit
+
 # The packages are those of the tests.
 stress: $(BUILD)/stress_fit
 	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(VENV)' tests/requirements.txt
