@@ -54,6 +54,7 @@ def test_judge_notices(tmp_path):
     assert judge(case, answer)["failure"] == ""
     found = answer["e2"]
     wrong = math.nextafter(math.nextafter(found, math.inf), math.inf)
+    assert "PROVEN: tight" in judge(case, {**answer, "tight_bound": wrong})["failure"]
     assert "PROVEN" in judge(case, {**answer, "lower_bound": wrong, "e2": 2 * found})["failure"]
     assert "PROVEN" not in judge(case, {**answer, "lower_bound": found * (1 - 1e-9)})["failure"]
     assert "above e2" in judge(case, {**answer, "lower_bound": wrong})["failure"]

@@ -13,7 +13,7 @@ GAP, ABSOLUTE_GAP = 1e-3, 1e-12
 # argument's rounding), and the root of a sum of N squares.
 E2_UNITS = 400.0
 COLUMNS = ("failure", "family", "name", "stop", "certified", "boxes", "share", "e2_relative", "e2_units", "excess",
-           "excess_of_data", "sigma_error", "sigma_units", "x_error", "y_error", "own_error", "own_units", "margin",
+           "excess_of_data", "sigma_error", "sigma_units", "x_error", "y_error", "own_error", "own_units", "margin", "margin_units",
            "same_bits", "twin_boxes", "basin")
 
 
@@ -51,9 +51,10 @@ def lowest(problem, answer):
 def failures(case, answer, problem, best, e2_units):
     """What is promised and does not hold."""
     bound, e2, total = arb(answer["lower_bound"]), arb(answer["e2"]), problem.total
-    if bound > best.e2:
-        yield (f"PROVEN: lower bound {answer['lower_bound']!r} above E^2 {best.e2.str(25)} at theta "
-               f"{[t.str(20, radius=False) for t in best.theta]}")
+    for name in ("lower_bound", "tight_bound"):
+        if not arb(answer[name]) <= best.e2 and arb(answer[name]) > best.e2.mid():
+            yield (f"{'PROVEN' if arb(answer[name]) > best.e2 else 'undecided'}: {name} {answer[name]!r} above E^2 "
+                   f"{best.e2.str(25)} at theta {[t.str(20, radius=False) for t in best.theta]}")
     if not bound <= e2:
         yield "the bound is above e2"
     if e2_units > E2_UNITS:
@@ -114,7 +115,8 @@ def judge(case, answer, twin=None):
     if row["share"] > 1e-24:
         row["e2_relative"] = float(abs(e2 / at_own.e2 - 1))
         row["excess"] = float(at_own.e2 / best.e2 - 1)
-        row["margin"] = float(1 - arb(answer["lower_bound"]) / best.e2)
+        row["margin"] = float(1 - arb(max(answer["lower_bound"], answer["tight_bound"])) / best.e2)
+        row["margin_units"] = float((best.e2 - arb(max(answer["lower_bound"], answer["tight_bound"]))) / (arb(U) * total))
     row["own_error"], unit = problem.coefficient_error(at_own, answer["x"], answer["y"])
     row["own_units"] = row["own_error"] / unit if unit else None
     row["basin"] = "same" if row["excess_of_data"] <= 1e-13 * max(row["share"], 1e-13) else "another"

@@ -24,16 +24,17 @@ def section(rows, members):
             continue
         certified = sum(row["certified"] or 0 for row in some)
         margins = [row["margin"] for row in some if row["margin"] is not None]
+        units = [row["margin_units"] for row in some if row["margin_units"] is not None]
         lines.append([strain, len(some), certified, show(worst(some, "e2_relative")), show(worst(some, "e2_units")),
                       show(worst([r for r in some if r["basin"] == "same"], "excess")),
                       sum(row["basin"] == "another" for row in some),
                       show(worst(some, "sigma_error")), show(worst(some, "sigma_units")),
                       show(worst(some, "x_error")), show(worst(some, "y_error")),
                       show(worst(some, "own_error")), show(worst(some, "own_units")),
-                      show(min(margins) if margins else None),
+                      show(min(margins) if margins else None), show(min(units) if units else None),
                       sum("bound" in row["failure"] for row in some), f"{worst(some, 'boxes') or 0:,}"])
     head = ["strain", "fits", "certified", "E², relative", "√E² in u√T", "excess of E²", "another basin", "σ",
-            "σ in √(ΔE²/λ)", "x", "y", "terms at its σ", "in u(k + k²r)", "bound below by", "bounds above", "most boxes"]
+            "σ in √(ΔE²/λ)", "x", "y", "terms at its σ", "in u(k + k²r)", "bound below by", "in u T", "bounds above", "most boxes"]
     failed = [row for row in rows if row["failure"]]
     out = [BEGIN, "## Stability", "",
            f"Made by `make stress STRESS_MEMBERS={members}`: {len(rows):,} fits (Beckmann, GGX and Blinn–Phong, one and two "
@@ -50,8 +51,9 @@ def section(rows, members):
             "the largest of their column. *Terms at its σ*: the length of what x and y add to the fit against that of the exact "
             "ones at the same σ, relative to the data's; then in units of what least squares may lose, k the condition of the "
             "columns, r = √(E²/T). *Bound below by*: the smallest "
-            "(minimum − `lower_bound`)/minimum. *Bounds above*: lower bounds that a ball proves to be above an explicit "
-            "model's E², by however little.", "",
+            "(minimum − `lower_bound`)/minimum, of this fit and of another that closes its gap as far as rounding (or 20,000 "
+            "boxes) lets it; then the smallest minimum − `lower_bound` in units of u T. *Bounds above*: lower bounds that a ball "
+            "proves to be above an explicit model's E², by however little.", "",
             f"Every fit of at most 30,000 boxes was run again in nine floating-point environments (rounding down, up, towards "
             f"zero; FTZ, DAZ and combinations): {sum(row['same_bits'] == 0 for row in rows)} differ in a bit.", "",
             f"Promises that did not hold: {len(failed)}."]
