@@ -216,6 +216,17 @@ def weights(m):
     return m.case(a, b, c, v, s, weights=w)
 
 
+def no_mirror(m):
+    """No sample near the mirror direction, and the one nearest to it bright: the best lobe sits at the end of finite y."""
+    a, b, c = m.geometry()
+    c = c + 10 ** m.random.uniform(-3, 0)
+    s = m.lobe_s()
+    v = m.values(a, b, c, s, 10 ** m.random.uniform(-3, -1))
+    if m.member % 2:
+        v[np.argmin(c)] *= 10 ** m.random.uniform(0.5, 3)
+    return m.case(a, b, c, v, s)
+
+
 def few(m):
     """Two to five samples, or all c equal: more unknowns than data, collinear columns."""
     count = 2 + m.member % 4
@@ -246,6 +257,7 @@ FAMILIES = {
     "near_exact": (near_exact, "E²/T of 10⁻¹² to 10⁻⁹, close lobes"),
     "noisy_c": (noisy_c, "c = 10⁻³³ where 0 is meant"),
     "weights": (weights, "weights over 10^±60, some 0"),
+    "no_mirror": (no_mirror, "no sample near the mirror, the nearest bright"),
     "few": (few, "2 to 5 samples, equal c"),
     "own_units": (own_units, "own units, 10^±115"),
 }

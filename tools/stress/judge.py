@@ -116,7 +116,8 @@ def judge(case, answer, twin=None):
         row["e2_relative"] = float(abs(e2 / at_own.e2 - 1))
         row["excess"] = float(at_own.e2 / best.e2 - 1)
         row["margin"] = float(1 - arb(max(answer["lower_bound"], answer["tight_bound"])) / best.e2)
-        row["margin_units"] = float((best.e2 - arb(max(answer["lower_bound"], answer["tight_bound"]))) / (arb(U) * total))
+        if max(answer["lower_bound"], answer["tight_bound"]) > 0:
+            row["margin_units"] = float((best.e2 - arb(max(answer["lower_bound"], answer["tight_bound"]))) / (arb(U) * total))
     row["own_error"], unit = problem.coefficient_error(at_own, answer["x"], answer["y"])
     row["own_units"] = row["own_error"] / unit if unit else None
     row["basin"] = "same" if row["excess_of_data"] <= 1e-13 * max(row["share"], 1e-13) else "another"

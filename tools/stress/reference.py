@@ -84,6 +84,7 @@ class Problem:
         self.a = [arb(float(case.a[i])) * r for i, r in zip(keep, self.root)]
         self.b = [arb(float(case.b[i])) * r for i, r in zip(keep, self.root)]
         self.c = [arb(float(case.c[i])) for i in keep]
+        self.c_min = arb(float(min(case.c[i] for i in keep)))
         self.data = arb_mat([[arb(float(v)) * r / s for v, s in zip(case.values[i], self.scale)]
                              for i, r in zip(keep, self.root)])
         self.total = sum((d * d for d in self.data.entries()), arb(0))
@@ -109,7 +110,7 @@ class Problem:
         if self.case.distribution == "ggx":
             g = [b / (1 + p) ** 2 for b, p in zip(self.b, products)]
             return g, [-2 * v * p / (1 + p) for v, p in zip(g, products)]
-        low = min(products, key=lambda p: float(p.mid()) if p.mid() < 1e300 else 1e300)
+        low = self.c_min * s
         g = [b * (low - p).exp() for b, p in zip(self.b, products)]
         return g, [-v * p for v, p in zip(g, products)]
 
@@ -199,13 +200,14 @@ class Problem:
         s = theta.exp()
         factor = (s + 2) / (2 * arb.pi()) if by_exponent(self.case.distribution) else s
         if self.case.distribution != "ggx":
-            factor *= (-min(self.c, key=lambda c: float(c.mid())) * s).exp()
+            factor *= (-self.c_min * s).exp()
         return factor
 
     def coefficient_error(self, model, x, y):
         """Largest difference of a term's length from the best one, relative to the data's; and its unit.
 
-        The unit is what least squares may lose by rounding: u (k + k^2 |r| / |I|), k the condition of the columns.
+        The unit is what least squares may lose by rounding: u (k + k^2 |r| / |I|), k the condition of the columns, and
+        2 c_min s u, what exp(-c_min s) in y changes by when sigma is rounded to a double.
         """
         error, factors = arb(0), [arb(1), *(self.factor(t) for t in model.theta)]
         lengths = [sum((v * v for v in column), arb(0)).sqrt() for column in model.columns]
@@ -224,7 +226,8 @@ class Problem:
             least = max(min(mpmath.eigsy(gram, eigvals_only=True)), mpmath.mpf(10) ** -60)
         condition = float(1 / mpmath.sqrt(least))
         share = float((model.e2.mid() / self.total).sqrt()) if self.total > 0 else 0.0
-        return float(error), 2.0 ** -53 * (condition + condition ** 2 * share)
+        exponent = 2 * max(float(self.c_min * t.exp()) for t in model.theta)
+        return float(error), 2.0 ** -53 * (condition + condition ** 2 * share + exponent)
 
     # ---- Second opinion ----------------------------------------------------------------------------------------------
 

@@ -34,7 +34,7 @@ def section(rows, members):
                       show(min(margins) if margins else None), show(min(units) if units else None),
                       sum("bound" in row["failure"] for row in some), f"{worst(some, 'boxes') or 0:,}"])
     head = ["strain", "fits", "certified", "E², relative", "√E² in u√T", "excess of E²", "another basin", "σ",
-            "σ in √(ΔE²/λ)", "x", "y", "terms at its σ", "in u(k + k²r)", "bound below by", "in u T", "bounds above", "most boxes"]
+            "σ in √(ΔE²/λ)", "x", "y", "terms at its σ", "in u(k + k²r + 2cs)", "bound below by", "in u T", "bounds above", "most boxes"]
     failed = [row for row in rows if row["failure"]]
     out = [BEGIN, "## Stability", "",
            f"Made by `make stress STRESS_MEMBERS={members}`: {len(rows):,} fits (Beckmann, GGX and Blinn–Phong, one and two "
@@ -50,7 +50,7 @@ def section(rows, members):
             "global one (or on a plateau not yet descended); left out of σ, x, y and excess. *x*, *y*: relative to "
             "the largest of their column. *Terms at its σ*: the length of what x and y add to the fit against that of the exact "
             "ones at the same σ, relative to the data's; then in units of what least squares may lose, k the condition of the "
-            "columns, r = √(E²/T). *Bound below by*: the smallest "
+            "columns, r = √(E²/T), c the smallest c. *Bound below by*: the smallest "
             "(minimum − `lower_bound`)/minimum, of this fit and of another that closes its gap as far as rounding (or 20,000 "
             "boxes) lets it; then the smallest minimum − `lower_bound` in units of u T. *Bounds above*: lower bounds that a ball "
             "proves to be above an explicit model's E², by however little.", "",
