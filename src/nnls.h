@@ -18,6 +18,13 @@
 
 #define NNLS_COLUMNS 3
 
+/* One support's little least squares: orthonormal basis of its columns of R. */
+struct nnls_support {
+    int count, index[NNLS_COLUMNS]; /* count 0: its columns are dependent, or there are none */
+    double basis[NNLS_COLUMNS][NNLS_COLUMNS]; /* [column of the support][row] */
+    double upper[NNLS_COLUMNS][NNLS_COLUMNS];
+};
+
 /* Columns scaled to unit norm and factored as Q R; pointers belong to the caller. */
 struct nnls {
     const struct kernels *kernels;
@@ -28,6 +35,7 @@ struct nnls {
     double scale[NNLS_COLUMNS];             /* power of two that brings the column to about 1 */
     double norm[NNLS_COLUMNS];              /* of the scaled column; 0 for a zero column */
     double r[NNLS_COLUMNS][NNLS_COLUMNS];   /* upper triangular, unit columns */
+    struct nnls_support support[1u << NNLS_COLUMNS]; /* [bits of its columns] */
 };
 
 struct nnls_answer {

@@ -13,6 +13,8 @@
 #define LONGEST 1.5
 /* Steps below this that no longer lower the objective are the end: sigma is then good to rounding. */
 #define SHORTEST 1e-8
+/* Gains below this part of TOL_FLAT_RELATIVE drown in the objective's rounding. */
+#define LEAST_PART 1e-3
 
 static double clamp(const struct varpro *v, double theta)
 {
@@ -76,6 +78,30 @@ static double move(const struct varpro *v, const struct point *from, const doubl
     return longest;
 }
 
+/* What a Newton step promises to lower the objective by. */
+static double predicted(const struct varpro *v, const struct varpro_value *f, const double step[2])
+{
+    double promise = -0.5 * f->gradient[0] * step[0];
+
+    return v->lobes > 1 ? promise - 0.5 * f->gradient[1] * step[1] : promise;
+}
+
+/* A step whose gain the objective cannot show: the gradient still knows better where the optimum is. */
+static double last_step(struct varpro *v, struct point *point, const double step[2], const struct varpro_value *here)
+{
+    struct varpro_value there;
+    struct point next = *point;
+
+    if (move(v, point, step, &next) > 0.0) {
+        brdffit_varpro_evaluate(v, &next, 0, &there);
+        if (there.objective <= here->objective) {
+            *point = next;
+            return there.objective;
+        }
+    }
+    return here->objective;
+}
+
 double brdffit_varpro_descend(struct varpro *v, struct point *point)
 {
     struct varpro_value here, there;
@@ -88,6 +114,9 @@ double brdffit_varpro_descend(struct varpro *v, struct point *point)
         double step[2], length, gained;
 
         newton_step(v, point, &here, damping, step);
+        if (predicted(v, &here, step) <= TOL_FLAT_RELATIVE * LEAST_PART * here.objective) {
+            return last_step(v, point, step, &here);
+        }
         length = move(v, point, step, &next);
         if (!(length > 0.0)) {
             break;
