@@ -204,7 +204,7 @@ class Problem:
         return factor
 
     def coefficient_error(self, model, x, y):
-        """Largest difference of a term's length from the best one, relative to the data's; and its unit.
+        """Largest difference of a term's length from the best one, relative to the data's; its unit; and k.
 
         The unit is what least squares may lose by rounding: u (k + k^2 |r| / |I|), k the condition of the columns, and
         2 c_min s u, what exp(-c_min s) in y changes by when sigma is rounded to a double.
@@ -217,9 +217,10 @@ class Problem:
             for j, length in enumerate(lengths):
                 if size > 0:
                     error = error.max(abs(arb(mine[j]) * factors[j] / self.scale[k] - model.z[k][j]) * length / size)
-        used = [j for j in range(len(lengths)) if any(z[j] > 0 for z in model.z) and lengths[j] > 0]
+        used = [j for j, own in enumerate([x, *(y[p::self.lobes] for p in range(self.lobes))])
+                if lengths[j] > 0 and (any(z[j] > 0 for z in model.z) or any(v > 0 for v in own))]
         if not used:
-            return float(error), None
+            return float(error), None, 1.0
         with mpmath.workdps(100):
             gram = mpmath.matrix([[mpmath.mpf((model.gram[i, j] / (lengths[i] * lengths[j])).str(90, radius=False))
                                    for j in used] for i in used])
@@ -227,7 +228,7 @@ class Problem:
         condition = float(1 / mpmath.sqrt(least))
         share = float((model.e2.mid() / self.total).sqrt()) if self.total > 0 else 0.0
         exponent = 2 * max(float(self.c_min * t.exp()) for t in model.theta)
-        return float(error), 2.0 ** -53 * (condition + condition ** 2 * share + exponent)
+        return float(error), 2.0 ** -53 * (condition + condition ** 2 * share + exponent), condition
 
     # ---- Second opinion ----------------------------------------------------------------------------------------------
 
