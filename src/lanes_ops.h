@@ -5,10 +5,16 @@
 typedef double OPS_TYPE __attribute__((vector_size(8 * OPS_COUNT)));
 typedef int64_t OPS_MASK __attribute__((vector_size(8 * OPS_COUNT)));
 typedef double OPS_MEMORY __attribute__((vector_size(8 * OPS_COUNT), aligned(8), may_alias));
+typedef int64_t OPS(mask_memory) __attribute__((vector_size(8 * OPS_COUNT), aligned(8), may_alias));
 
 LANES_INLINE OPS_TYPE OPS(load)(const double *p)
 {
     return *(const OPS_MEMORY *)p;
+}
+
+LANES_INLINE OPS_MASK OPS(load_mask)(const int64_t *p)
+{
+    return *(const OPS(mask_memory) *)p;
 }
 
 LANES_INLINE void OPS(store)(double *p, OPS_TYPE v)

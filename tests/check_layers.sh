@@ -14,7 +14,7 @@ layer_of() { # file name without directory
     family | family_* | geometry | geometry_* | reduce | reduce_* | moments | moments_* | residual | residual_* | socp | lp | lp_*)
         echo 2
         ;;
-    bound | bound_* | restricted | restricted_* | interval | interval_* | varpro | varpro_* | refine | refine_*) echo 3 ;;
+    bound | bound_* | restricted | restricted_* | interval | interval_* | varpro | varpro_* | newton | moment_descend | refine | refine_*) echo 3 ;;
     search | search_*) echo 4 ;;
     fit | fit_* | options | report | report_* | eval | eval_* | observe | reprove | entry) echo 5 ;;
     *) echo none ;;
