@@ -14,6 +14,8 @@ GAP, ABSOLUTE_GAP = 1e-3, 1e-12
 # |sqrt(e2) - sqrt(E^2)| in units of u sqrt(T): each residual is a datum less three products, each of them rounded
 # some four times and with an exponential of 2 u; twice that.
 E2_UNITS = 40.0
+# A flat sigma is moved to its largest, where E^2 is no more than 1e-12 of itself (1e-28 T) above the minimum.
+FLAT, FLAT_OF_DATA = 2e-12, 1e-26
 # Columns of a larger condition do not tell their coefficients apart: x and y are not compared one by one.
 IDENTIFIED = 1e8
 COLUMNS = ("failure", "family", "name", "stop", "certified", "boxes", "share", "e2_relative", "e2_units", "model_units", "condition", "excess",
@@ -135,7 +137,7 @@ def judge(case, answer, twin=None):
             row["margin_units"] = float((best.e2 - arb(max(answer["lower_bound"], answer["tight_bound"]))) / (arb(U) * total))
     row["own_error"], unit, row["condition"] = problem.coefficient_error(at_own, answer["x"], answer["y"])
     row["own_units"] = row["own_error"] / unit if unit else None
-    row["basin"] = "same" if row["excess_of_data"] <= 1e-13 * max(row["share"], 1e-13) else "another"
+    row["basin"] = "same" if row["excess_of_data"] <= max(FLAT * row["share"], FLAT_OF_DATA) else "another"
     if row["basin"] == "same":
         row["sigma_error"] = sigma_error(answer, best)
         if row["sigma_error"] is not None and curvature is not None and curvature > 0:

@@ -58,7 +58,7 @@ def section(rows, members):
     out += ["", "*E², relative*: `e2` against the exact minimum over x and y at its own σ, where E² > 10⁻²⁴ T; *√E² in u√T*: the "
             "same error as rounding theory has it (a residual is known to a few u of its datum), and that of the E² which the "
             "returned doubles σ, x and y really have. *Excess*: the exact E² at "
-            "the returned σ over the global minimum; *σ*: relative error; where E² is flat σ cannot be had better than a change that E² shows, so *σ in √(ΔE²/λ)* "
+            "the returned σ over the global minimum (where σ is flat to 10⁻¹² of E², the largest is returned); *σ*: relative error; where E² is flat σ cannot be had better than a change that E² shows, so *σ in √(ΔE²/λ)* "
             "divides by that: ΔE² = u√(E²T) + u²T, its rounding, and λ its smallest curvature in ln s. "
             "*Another basin*: the fit is certified within its gap of 10⁻³ or 10⁻¹² T, but at another local optimum than the "
             "global one (or on a plateau not yet descended): its excess over the global minimum, in terms of E² and of T; left "
