@@ -62,7 +62,8 @@ object = $(patsubst %.c,$(OBJ)/%.o,$(1))
 program = $(patsubst %,$(BUILD)/%,$(basename $(notdir $(1))))
 
 CORE := $(call object,$(sort $(wildcard src/*.c)))
-IO := $(call object,$(sort $(wildcard src/io/*.c)))
+# With its own copy of the one file that it shares with the core: libbrdffit.so exports what its header declares only.
+IO := $(call object,$(sort $(wildcard src/io/*.c)) src/environment.c)
 CLI := $(call object,$(sort $(wildcard tools/brdffit/*.c)))
 GONIOMETER := $(call object,$(sort $(wildcard tools/goniometer/*.c)))
 BENCH := $(sort $(wildcard tools/bench/bench_*.c))
