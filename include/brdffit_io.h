@@ -72,6 +72,7 @@ typedef struct brdffit_table {
     size_t rows;                 /* entries in the file: CSV data lines, or MERL cells */
     brdffit_io_merl_bins merl_bins;
     brdffit_io_merl_sampling merl_sampling;
+    brdffit_sums *sums;          /* by brdffit_io_read_sums(), or NULL */
 } brdffit_table;
 
 /*
@@ -102,6 +103,23 @@ BRDFFIT_API brdffit_status brdffit_io_read(const char *path, const brdffit_io_op
 BRDFFIT_API brdffit_status brdffit_io_read_memory(const void *data, size_t size,
                                                   const brdffit_io_options *options,
                                                   brdffit_table **table, brdffit_error *error);
+
+/*
+ * brdffit_io_read() in a fraction of time and memory, for who only fits: a whole MERL table is added up while it is read, for
+ * `fit` (NULL: defaults; its distribution, max_incidence and isa), and table->sums is what brdffit_fit_sums() takes.
+ * table->samples then has a count but no arrays. Whatever sums cannot do (text, look-ups, other norms and engines,
+ * LAFORTUNE, values beyond their range) is read as by brdffit_io_read(), and table->sums is NULL.
+ *
+ * A regular file is mapped for the time of the call and as long as table->sums is there: truncating it meanwhile ends
+ * the process with SIGBUS. Who cannot exclude that uses brdffit_io_read(), or standard input.
+ */
+BRDFFIT_API brdffit_status brdffit_io_read_sums(const char *path, const brdffit_io_options *options,
+                                                const brdffit_options *fit, brdffit_table **table,
+                                                brdffit_error *error);
+
+/* Samples in place of sums, of the same file; nothing happens where there are samples already. On failure the table
+ * stays as it was. */
+BRDFFIT_API brdffit_status brdffit_io_samples(brdffit_table *table, brdffit_error *error);
 
 BRDFFIT_API void brdffit_io_free(brdffit_table *table);
 

@@ -100,3 +100,34 @@ void brdffit_geometry_row(brdffit_distribution distribution, const struct geomet
     out->cos_light = angles->cos_light;
     row[distribution](angles, out);
 }
+
+int brdffit_geometry_strip(brdffit_distribution distribution, double tan2_half, struct geometry_strip *out)
+{
+    struct geometry_angles angles = {1.0, 1.0, tan2_half, 1.0};
+    struct geometry row;
+    double cos2 = cos2_half(&angles);
+
+    brdffit_geometry_row(distribution, &angles, &row);
+    out->c = row.c;
+    out->kind = STRIP_SHADOWED;
+    out->shared = 2.0 * sqrt(cos2);
+    switch (distribution) {
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_GGX: out->factor = 1.0 / (PI * (cos2 * cos2)); return 1;
+    case BRDFFIT_TORRANCE_SPARROW: out->factor = 1.0 / PI; return 1;
+    case BRDFFIT_WARD:
+        out->kind = STRIP_ROOT;
+        out->factor = 1.0 / (4.0 * PI);
+        return 1;
+    case BRDFFIT_BLINN_PHONG:
+        out->kind = STRIP_LIGHT;
+        out->factor = 1.0;
+        return 1;
+    case BRDFFIT_ASHIKHMIN_SHIRLEY:
+        out->kind = STRIP_SIDE;
+        out->factor = 1.0;
+        out->shared = 1.0;
+        return 1;
+    default: return 0;
+    }
+}

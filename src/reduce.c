@@ -108,8 +108,8 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
 }
 
 /* Divisor of each channel; with NORMALISE_NONE one power of two for all, undone in the result. */
-static brdffit_status choose_channel_scales(struct reduced *r, const brdffit_options *options,
-                                            brdffit_error *error)
+brdffit_status brdffit_reduce_channel_scales(struct reduced *r, const brdffit_options *options,
+                                             brdffit_error *error)
 {
     double magnitude = vector_largest(r->ii, r->channels);
     size_t k;
@@ -183,7 +183,7 @@ static int not_after(const double *c, uint32_t p, uint32_t q)
 }
 
 /* Order by c, then by index: bottom-up merge sort that starts from runs already ascending (a MERL table is one). */
-static void sort_by_c(struct reduced *r)
+void brdffit_reduce_sort(struct reduced *r)
 {
     uint32_t *from = r->order, *to = r->merge;
     size_t n = r->used, begin, i;
@@ -224,7 +224,7 @@ static void sort_by_c(struct reduced *r)
  * sums merge once they have one c. The change relative to c - c_min is kept, for the moments to allow for; samples
  * that join c_min itself have it by definition.
  */
-static void snap_c(struct reduced *r)
+void brdffit_reduce_snap(struct reduced *r)
 {
     double low = r->sample_c[r->order[0]], first = low;
     size_t i;
@@ -248,16 +248,17 @@ brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *sa
     brdffit_status status = classify(reduced, samples, options, error);
 
     if (status == BRDFFIT_OK) {
-        status = choose_channel_scales(reduced, options, error);
+        status = brdffit_reduce_channel_scales(reduced, options, error);
     }
     if (status == BRDFFIT_OK) {
         status = choose_scales(reduced, samples, options->norm, error);
     }
     if (status == BRDFFIT_OK) {
-        sort_by_c(reduced);
+        brdffit_reduce_sort(reduced);
         reduced->snapped = 0.0;
+        reduced->counted = reduced->used;
         if (samples->form == BRDFFIT_FORM_DIRECTIONS) {
-            snap_c(reduced);
+            brdffit_reduce_snap(reduced);
         }
         brdffit_reduce_sums(reduced, samples);
         brdffit_reduce_rows(reduced, samples, options->norm);

@@ -48,8 +48,8 @@ ENVIRONMENT_APART static brdffit_status parse_there(const unsigned char *data, s
 }
 
 /* Decimal numbers and angles round to nearest whatever the caller's rounding mode is. */
-static brdffit_status parse(const unsigned char *data, size_t size, const brdffit_io_options *options,
-                            brdffit_table **out, brdffit_error *error)
+brdffit_status brdffit_io_parse(const unsigned char *data, size_t size, const brdffit_io_options *options,
+                                brdffit_table **out, brdffit_error *error)
 {
     struct environment callers;
     brdffit_status status;
@@ -69,14 +69,14 @@ static brdffit_status unpack_and_parse(const unsigned char *data, size_t size, s
     brdffit_status status;
 
     if (!brdffit_io_is_gzip(data, size)) {
-        return parse(data, size, options, out, error);
+        return brdffit_io_parse(data, size, options, out, error);
     }
     status = brdffit_io_gunzip(data, size, IO_LIMIT_BYTES, &unpacked, error);
     if (owner) {
         brdffit_io_bytes_free(owner);
     }
     if (status == BRDFFIT_OK) {
-        status = parse(unpacked.data, unpacked.size, options, out, error);
+        status = brdffit_io_parse(unpacked.data, unpacked.size, options, out, error);
     }
     if (status == BRDFFIT_OK) {
         (*out)->compressed = 1;
