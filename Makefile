@@ -62,7 +62,8 @@ object = $(patsubst %.c,$(OBJ)/%.o,$(1))
 program = $(patsubst %,$(BUILD)/%,$(basename $(notdir $(1))))
 
 CORE := $(call object,$(sort $(wildcard src/*.c)))
-IO := $(call object,$(sort $(wildcard src/io/*.c)))
+# With its own copy of the one file that it shares with the core: libbrdffit.so exports what its header declares only.
+IO := $(call object,$(sort $(wildcard src/io/*.c)) src/environment.c)
 CLI := $(call object,$(sort $(wildcard tools/brdffit/*.c)))
 GONIOMETER := $(call object,$(sort $(wildcard tools/goniometer/*.c)))
 BENCH := $(sort $(wildcard tools/bench/bench_*.c))
@@ -110,6 +111,7 @@ help:
 	@echo 'make uninstall   remove what install put there'
 	@echo 'make peers       levmar and Ceres, local solvers to compare with (downloads them; GPL)'
 	@echo 'make paper DATA=dir [STARTS=100]   the paper'\''s experiments on MERL or CSV files'
+	@echo 'make stress      strained problems against 50-digit references (RESULTS=file.md: a table there)'
 	@echo 'make clean       remove what was built; keeps downloads'
 	@echo 'make distclean   remove $(BUILD)/ whole'
 	@echo
@@ -369,5 +371,6 @@ distclean:
 	rm -rf $(BUILD)
 
 include tools/bench/peers.mk
+include tools/stress/stress.mk
 
 -include $(wildcard $(OBJ)/src/*.d $(OBJ)/src/io/*.d $(OBJ)/tools/*/*.d $(OBJ)/tests/*.d $(OBJ)/tests/*/*.d)
