@@ -1,7 +1,7 @@
 """Numbers on their way to C and back. SPDX-License-Identifier: MIT"""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -39,9 +39,12 @@ def column(name: str, value: npt.ArrayLike, count: int) -> Floats:
     return array
 
 
-def freeze(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+Array = TypeVar("Array", bound=npt.NDArray[Any])
+
+
+def freeze(array: Array) -> Array:
     """A view of `array` that cannot be written through; the array of the caller keeps its flags."""
-    view = array.view()
+    view: Array = array.view()
     view.flags.writeable = False
     return view
 

@@ -79,8 +79,8 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "brdffit_isa_string": (c_char_p, [c_int]),
     "brdffit_isa_supported": (c_int, [c_int]),
     "brdffit_stop_string": (c_char_p, [c_int]),
-    "brdffit_samples_init": (None, [POINTER(structs.Samples)]),
-    "brdffit_options_init": (None, [POINTER(structs.Options)]),
+    "brdffit_samples_init": (None, [c_void_p]),
+    "brdffit_options_init": (None, [c_void_p]),
     "brdffit_workspace_size": (c_size_t, [c_size_t, c_size_t, POINTER(structs.Options)]),
     "brdffit_fit": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), c_void_p, c_size_t,
                             POINTER(structs.Result), POINTER(structs.Error)]),
@@ -95,7 +95,7 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
 }
 _IO_PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "brdffit_io_drop_string": (c_char_p, [c_int]),
-    "brdffit_io_options_init": (None, [POINTER(structs.IoOptions)]),
+    "brdffit_io_options_init": (None, [c_void_p]),
     "brdffit_io_read": (c_int, [c_char_p, POINTER(structs.IoOptions), POINTER(POINTER(structs.Table)),
                                 POINTER(structs.Error)]),
     "brdffit_io_free": (None, [POINTER(structs.Table)]),
@@ -126,7 +126,7 @@ def _check_sizes(core: ctypes.CDLL, io: ctypes.CDLL, path: str) -> None:
                                      ("brdffit_options", structs.Options, core),
                                      ("brdffit_io_options", structs.IoOptions, io)):
         room = ctypes.create_string_buffer(ctypes.sizeof(structure) + 4096)
-        getattr(library, name + "_init")(ctypes.cast(room, POINTER(structure)))
+        getattr(library, name + "_init")(room)
         size = ctypes.cast(room, POINTER(c_size_t))[0]
         if size != ctypes.sizeof(structure):
             raise LibraryError("%s has another %s: %d bytes, not %d" % (path, name, size, ctypes.sizeof(structure)))

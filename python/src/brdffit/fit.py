@@ -234,10 +234,10 @@ def run(samples: Samples, options: Options, verify: float | None, progress: Prog
     result = POINTER(structs.Result)()
     error = structs.Error()
     began = time.perf_counter()
-    status = ffi.core.brdffit_fit_new(byref(c_samples), byref(c_options), byref(result), byref(error))
-    ended = time.perf_counter()
     try:
-        observer.finish()
+        with observer:
+            status = ffi.core.brdffit_fit_new(byref(c_samples), byref(c_options), byref(result), byref(error))
+            ended = time.perf_counter()
         if status != 0:
             raise from_struct(error, path=samples.file, channels=samples.channels, lines=samples.lines)
         proof = None if verify is None else _verify(samples, options, result.contents, verify)

@@ -12,6 +12,8 @@ from ._arrays import Floats, freeze, vectors
 from .errors import DataError, FileError, OptionError
 from .samples import Path, Samples, choose
 
+Index = npt.NDArray[np.intp]
+_SNAP = 1e-12  # radians: IO_EDGE_SNAP
 SCALE = np.array([1.0, 1.15, 1.66]) / 1500
 
 
@@ -31,24 +33,11 @@ class MerlTable:
         return "<MerlTable %s: %s cells>" % (self.file or "", " x ".join(map(str, self.values.shape[:3])))
 
     def lookup(self, light: npt.ArrayLike, view: npt.ArrayLike) -> Floats:
-        """f_r of the nearest entry at directions ... x 3 around +z: ... x 3; NaN below the horizon and where nothing
+        """f_r of the entry whose bin holds directions ... x 3 around +z: ... x 3; NaN below the horizon and where nothing
         was measured."""
         l, v = np.broadcast_arrays(vectors("light", light), vectors("view", view))
         l, v = (d / np.linalg.norm(d, axis=-1, keepdims=True) for d in (l, v))
-        half = l + v
-        half = half / np.maximum(np.linalg.norm(half, axis=-1, keepdims=True), 1e-300)
-        theta_h = np.arctan2(np.hypot(half[..., 0], half[..., 1]), half[..., 2])
-        cos_d = np.clip(np.sum(l * half, -1), -1, 1)
-        # The difference vector: light in the frame whose pole is the half vector.
-        phi = np.arctan2(half[..., 1], half[..., 0])
-        side = np.stack([np.cos(theta_h) * np.cos(phi), np.cos(theta_h) * np.sin(phi), -np.sin(theta_h)], -1)
-        across = np.stack([-np.sin(phi), np.cos(phi), np.zeros_like(phi)], -1)
-        phi_d = np.arctan2(np.sum(l * across, -1), np.sum(l * side, -1)) % np.pi
-        n_h, n_d, n_p = self.values.shape[:3]
-        shift = 0.5 if self.bins == "edge" else 0.0
-        places = (n_h * np.sqrt(theta_h / (np.pi / 2)), n_d * np.arccos(cos_d) / (np.pi / 2), n_p * phi_d / np.pi)
-        i, j, k = (np.clip((p + shift).astype(int), 0, n - 1) for p, n in zip(places, (n_h, n_d, n_p)))
-        k = np.where((places[2] + shift).astype(int) >= n_p, 0, k)  # azimuth is a circle
+        i, j, k = _cells(self.values.shape[:3], l, v)
         out = self.values[i, j, k]
         out[(l[..., 2] <= 0) | (v[..., 2] <= 0)] = np.nan
         return np.asarray(out)
@@ -58,6 +47,36 @@ class MerlTable:
         if self.file is None:
             raise OptionError("this table has no file", code="argument")
         return Samples.from_merl(self.file, samples=at, bins=self.bins)
+
+
+def _cells(dims: tuple[int, ...], l: Floats, v: Floats) -> tuple[Index, Index, Index]:
+    """The cell that unit vectors fall into, as src/io/merl_lookup.c finds it: bins are the database's own, and an angle
+    that rounding left just below an edge is on it."""
+    h, d = l + v, 0.5 * (l - v)
+    length = np.linalg.norm(h, axis=-1)
+    flat = np.hypot(h[..., 0], h[..., 1])
+    theta_h = np.arctan2(flat, h[..., 2])
+    theta_d = np.arctan2(2 * np.linalg.norm(d, axis=-1), length)
+    tilted = theta_h > _SNAP
+    safe = np.where(tilted, flat, 1)
+    east, north = np.where(tilted, h[..., 0] / safe, 1), np.where(tilted, h[..., 1] / safe, 0)
+    x = (h[..., 2] * (east * d[..., 0] + north * d[..., 1]) - flat * d[..., 2]) / np.where(length > 0, length, 1)
+    phi = np.arctan2(east * d[..., 1] - north * d[..., 0], x)
+    phi = np.where(theta_d > _SNAP, np.where(phi < 0, phi + np.pi, phi), 0)
+    lever = np.minimum(theta_d, np.where(tilted, theta_h, theta_d))
+    n_h, n_d, n_p = dims
+    snap = np.minimum(_SNAP + _SNAP / np.where(lever > 0, lever, 1), 0.25 * np.pi / n_p)
+    i = _settle(theta_h / (0.5 * np.pi), _SNAP / (0.5 * np.pi), n_h, square=True)
+    j = _settle(theta_d / (0.5 * np.pi), _SNAP / (0.5 * np.pi), n_d)
+    k = _settle(phi / np.pi, snap / np.pi, n_p)
+    return np.minimum(i, n_h - 1), np.minimum(j, n_d - 1), np.where(k < n_p, k, 0)
+
+
+def _settle(part: Floats, snap: npt.ArrayLike, bins: int, square: bool = False) -> Index:
+    """Bin of an angle that is `part` of its range; edge i is at i/bins, or at its square."""
+    index = np.minimum(bins * (np.sqrt(part) if square else part), bins).astype(np.intp)
+    edge = (index + 1) / bins
+    return np.asarray(index + ((index < bins) & ((edge * edge if square else edge) - part <= snap)))
 
 
 def load_merl(path: Path, *, bins: str = "edge") -> MerlTable:

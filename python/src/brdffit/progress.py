@@ -68,8 +68,8 @@ def _gap(progress: Progress) -> str:
 class Observer:
     """Puts Python's callback into a brdffit_options for the time of a call.
 
-    An exception from the callback (or a signal: in the main thread Python looks for them while it runs) stops the
-    search; `finish` raises it once the C library has returned.
+    An exception from the callback, or from a signal's handler (Ctrl-C: Python runs it in the main thread as soon as
+    the callback enters Python), stops the search; leaving the context raises it once the C library has returned.
     """
 
     def __init__(self, progress: ProgressArgument) -> None:
@@ -77,17 +77,43 @@ class Observer:
         self._call: ProgressCallback | None = progress if callable(progress) else None
         self._error: BaseException | None = None
         self._reduced: float | None = None
+        # Without a listener only the main thread needs a callback, so that Ctrl-C ends a long search.
+        self._main = threading.current_thread() is threading.main_thread()
 
     def attach(self, options: structs.Options) -> None:
-        # Without a listener only the main thread needs one, so that Ctrl-C ends a long search.
-        if self._call is not None or self._bar is not None or threading.current_thread() is threading.main_thread():
+        if self._main or self._call is not None or self._bar is not None:
             self._function = structs.ProgressFunction(self._receive)
             options.progress = self._function
 
+    def __enter__(self) -> None:
+        # A handler may raise before the first line of _receive, where nothing can catch it: ctypes hands such an
+        # exception to this hook and goes on.
+        self._hook = sys.unraisablehook
+        if self._main:
+            sys.unraisablehook = self._unraisable
+
+    def __exit__(self, *error: object) -> None:
+        if self._main:
+            sys.unraisablehook = self._hook
+        if self._bar is not None:
+            self._bar.close()
+        raised, self._error = self._error, None
+        if raised is not None:
+            raise raised
+
+    def _unraisable(self, what: Any) -> None:
+        here = threading.current_thread() is threading.main_thread()
+        if here and what.exc_value is not None and "ctypes callback" in (what.err_msg or ""):
+            self._error = what.exc_value
+        else:
+            self._hook(what)
+
     def _receive(self, user: object, progress: Any) -> int:
-        if self._reduced is None:
-            self._reduced = time.perf_counter()
         try:
+            if self._error is not None:
+                return 1
+            if self._reduced is None:
+                self._reduced = time.perf_counter()
             if self._call is None and self._bar is None:
                 return 0
             c = progress.contents
@@ -95,7 +121,7 @@ class Observer:
             if self._bar is not None:
                 self._bar.update(now.boxes, _gap(now))
             return int(self._call is not None and bool(self._call(now)))
-        except BaseException as error:  # KeyboardInterrupt too: raised again by finish()
+        except BaseException as error:  # KeyboardInterrupt too: raised again by __exit__
             self._error = error
             return 1
 
@@ -104,10 +130,3 @@ class Observer:
         if self._reduced is None:
             return {"search": ended - began}
         return {"reduce": self._reduced - began, "search": ended - self._reduced}
-
-    def finish(self) -> None:
-        if self._bar is not None:
-            self._bar.close()
-        error, self._error = self._error, None
-        if error is not None:
-            raise error
