@@ -2,18 +2,19 @@
  * Engine `moment`: see bound_moment.h and theory 4.2. Layer 3. SPDX-License-Identifier: MIT
  *
  * For fixed coefficients z >= 0 let f_z(u) = sum_k 2 t.z_k - z_k'M z_k, so that J = max_z f_z is what a point
- * of the box gains: E^2 = T - J. Along one side of the box f_z exceeds its chord by at most
- * max(0, D(z)), D(z) = (width^2 / 8) sup(-f_z''), which is linear in sup(-tau''), sup kappa'' and sup mu''. So
+ * of the box gains: E^2 = T - J. Along one side of the box, at fraction x of it, f_z exceeds its chord by at most
+ * w(x) D(z), w(x) = 4 x (1 - x), D(z) = (width^2 / 8) sup(-f_z''), which is linear in sup(-tau''), sup kappa'' and
+ * sup mu''. So J(x) is at most the gain of the chord of (t, M) with w(x) times the (signed) shifts, the same x for all
+ * channels; kernels_gains.h bounds that over x, and over both sides of a box with two lobes, from the gains at
+ * the corners with each subset of the sides shifted.
  *
- *     J <= max over the corners and over the subsets of sides that are shifted, of R(t + shift, M - shift)
+ * R is finite only for off-diagonals >= 0; theory.md clips a shifted off-diagonal at 0, which is not a bound when
+ * only some corners are clipped (the chord through clipped corners can lie above the true curve). Here an entry
+ * that would fall below 0 at any corner is replaced at all corners by its infimum over the box, a constant that
+ * minorises it. Raising an entry to at most 1 is never needed: gains clip there, on the safe side.
  *
- * with signed shifts, the same subset for all channels. R is finite only for off-diagonals >= 0; theory.md
- * clips a shifted off-diagonal at 0, which is not a bound when only some corners are clipped (the chord through
- * clipped corners can lie above the true curve). Here an entry that would fall below 0 at any corner is
- * replaced at all corners by its infimum over the box, a constant that minorises it. Raising an entry to at
- * most 1 is never needed: gains clip there, on the safe side.
- *
- * For wide boxes the monotone bound, every tau at its supremum and every cosine at its infimum, can be smaller.
+ * For wide boxes the monotone bound, every tau at its supremum and every cosine at its infimum, can be smaller. It is
+ * looked at only when the other does not close the box.
  */
 #include "bound_moment.h"
 
@@ -21,6 +22,7 @@
 
 #include "nnls.h"
 #include "tolerance.h"
+#include "vector.h"
 
 void brdffit_bound_moment_layout(struct bound_moment *e, struct arena *arena, size_t count, size_t channels,
                                  uint32_t node_capacity, int lobes)
@@ -30,19 +32,45 @@ void brdffit_bound_moment_layout(struct bound_moment *e, struct arena *arena, si
 }
 
 void brdffit_bound_moment_start(struct bound_moment *e, const struct reduced *data, const struct family *family,
-                                const struct axis *axis, int lobes)
+                                const struct kernels *kernels, struct axis *axis, int lobes)
 {
     e->axis = axis;
-    brdffit_moments_start(&e->moments, data, family, lobes);
+    brdffit_moments_start(&e->moments, data, family, kernels, lobes);
     brdffit_intervals_start(&e->intervals, &e->moments);
 }
 
-const struct interval *brdffit_bound_moment_side(struct bound_moment *e, uint32_t index)
+static struct interval *plain_side(struct bound_moment *e, uint32_t index)
 {
     const struct axis_interval *i = &e->axis->interval[index];
 
     return brdffit_interval(&e->intervals, index, i->low, i->high, e->axis->coordinate[i->low],
                             e->axis->coordinate[i->high]);
+}
+
+/* Refine an interval by its halves, these refined `depth` - 1 times before, as far as there are nodes to spare. */
+static struct interval *refined_side(struct bound_moment *e, uint32_t index, int depth)
+{
+    struct interval *v = plain_side(e, index);
+
+    if (v->refined < depth && e->axis->nodes < e->axis->node_capacity / 2) {
+        uint32_t child = brdffit_axis_split(e->axis, index);
+
+        if (child) {
+            brdffit_interval_refine(&e->intervals, v, refined_side(e, child, depth - 1),
+                                    refined_side(e, child + 1, depth - 1));
+            v->refined = depth;
+        }
+    }
+    return v;
+}
+
+const struct interval *brdffit_bound_moment_side(struct bound_moment *e, uint32_t index, int depth)
+{
+    struct interval *v = plain_side(e, index);
+    double change = v->low->mean * (v->high->u - v->low->u);
+    int useful = change > REFINE_TWICE ? 2 : change > REFINE_ONCE ? 1 : 0;
+
+    return refined_side(e, index, useful < depth ? useful : depth);
 }
 
 double brdffit_bound_moment_objective(const struct bound_moment *e, double gain)
@@ -66,49 +94,104 @@ void brdffit_bound_moment_meet(const struct bound_moment *e, double gain, const 
 
 /* ---- one lobe ---- */
 
-/* Sum over channels; shift: 0 or 1 times the interval's tau shifts. */
-static double gain_one(const struct bound_moment *e, const double *tau, const double *shift, double factor,
-                       double kappa)
+static double monotone_one(const struct bound_moment *e, const struct interval *v)
 {
     double sum = 0.0;
     size_t k;
 
     for (k = 0; k < e->moments.data->channels; k++) {
-        double t = factor != 0.0 ? tau[k] + factor * shift[k] : tau[k];
-
-        sum += brdffit_nnls_gain2(e->moments.omega[k], t, kappa);
+        sum += brdffit_nnls_gain2(e->moments.omega[k], v->tau_sup[k], v->kappa_inf);
     }
     return sum;
 }
 
+static int finite_shifts(const struct bound_moment *e, const struct interval *v)
+{
+    int finite = isfinite(v->kappa_shift);
+    size_t k;
+
+    for (k = 0; k < e->moments.data->channels; k++) {
+        finite = finite && isfinite(v->tau_shift[k]);
+    }
+    return finite;
+}
+
+static void open_one(const struct bound_moment *e, const struct interval *v, struct gains_one *in)
+{
+    in->channels = e->moments.data->channels;
+    in->omega = e->moments.omega;
+    in->tau[0] = v->low->tau;
+    in->tau[1] = v->high->tau;
+    in->shift = v->tau_shift;
+    in->cosine[0] = v->low->kappa;
+    in->cosine[1] = v->high->kappa;
+    in->fall = v->kappa_shift;
+}
+
+/* The bound of one interval by its shifts; `gain`: of its ends, as they are. */
+static double vertex_one(const struct bound_moment *e, const struct interval *v, double gain[4])
+{
+    const struct kernels *kernels = e->moments.kernels;
+    struct gains_one in;
+    double safe[4];
+
+    open_one(e, v, &in);
+    kernels->gains_one(&in, gain);
+    if (!finite_shifts(e, v)) {
+        return 0.0;
+    }
+    if (smaller(in.cosine[0], in.cosine[1]) - larger(in.fall, 0.0) >= 0.0) {
+        return brdffit_bound_moment_objective(e, kernels->climb_one(gain));
+    }
+    in.cosine[0] = in.cosine[1] = v->kappa_inf;
+    in.fall = 0.0;
+    kernels->gains_one(&in, safe);
+    return brdffit_bound_moment_objective(e, kernels->climb_one(safe));
+}
+
+/* Refined step by step, as long as the box stays open: its halves are needed then anyway. */
 double brdffit_bound_moment_one(void *self, struct box *box, struct point *met)
 {
     struct bound_moment *e = self;
-    const struct interval *v = brdffit_bound_moment_side(e, box->interval[0]);
-    const struct node *corner[2] = {v->low, v->high};
-    double best = INFINITY, vertex = 0.0, monotone;
-    int constant = !(fmin(v->low->kappa, v->high->kappa) - fmax(v->kappa_shift, 0.0) >= 0.0);
-    int i;
+    double cutoff = box->bound, best = INFINITY, gain[4];
+    const struct interval *v = brdffit_bound_moment_side(e, box->interval[0], 0);
+    int i, depth;
 
     box->split = 0;
-    monotone = gain_one(e, v->tau_sup, v->tau_shift, 0.0, v->kappa_inf);
-    for (i = 0; i < 2; i++) {
-        const struct node *n = corner[i];
-        uint32_t index = i ? v->high_index : v->low_index;
-        double theta[2] = {e->axis->coordinate[index], e->axis->coordinate[index]};
-        double plain = gain_one(e, n->tau, v->tau_shift, 0.0, fmax(n->kappa, 0.0));
-        double shifted = gain_one(e, n->tau, v->tau_shift, 1.0,
-                                  constant ? v->kappa_inf : n->kappa - v->kappa_shift);
-
-        brdffit_bound_moment_meet(e, plain, theta, &best, met);
-        if (constant) {
-            plain = gain_one(e, n->tau, v->tau_shift, 0.0, v->kappa_inf);
-        }
-        vertex = fmax(vertex, fmax(plain, shifted));
-        if (!isfinite(shifted) || !isfinite(v->kappa_shift)) {
-            vertex = INFINITY;
+    box->bound = vertex_one(e, v, gain);
+    for (depth = 1; depth <= 2 && !(box->bound >= cutoff); depth++) {
+        v = brdffit_bound_moment_side(e, box->interval[0], depth);
+        if (v->refined == depth) {
+            box->bound = larger(box->bound, vertex_one(e, v, gain));
         }
     }
-    box->bound = brdffit_bound_moment_objective(e, fmin(vertex, monotone));
+    for (i = 0; i < 2; i++) {
+        double theta = e->axis->coordinate[i ? v->high_index : v->low_index];
+
+        brdffit_bound_moment_meet(e, gain[i], (double[2]){theta, theta}, &best, met);
+    }
+    if (!(box->bound >= cutoff)) {
+        box->bound = larger(box->bound, brdffit_bound_moment_objective(e, monotone_one(e, v)));
+    }
+    return best;
+}
+
+double brdffit_bound_moment_start_one(void *self, struct point *met)
+{
+    struct bound_moment *e = self;
+    double best = INFINITY;
+    uint32_t i;
+
+    for (i = 0; i <= e->axis->first; i++) {
+        const double theta[2] = {e->axis->coordinate[i], e->axis->coordinate[i]};
+        const struct node *node = brdffit_moments_node(&e->moments, i, theta[0]);
+        double sum = 0.0;
+        size_t k;
+
+        for (k = 0; k < e->moments.data->channels; k++) {
+            sum += brdffit_nnls_gain2(e->moments.omega[k], node->tau[k], larger(node->kappa, 0.0));
+        }
+        brdffit_bound_moment_meet(e, sum, theta, &best, met);
+    }
     return best;
 }

@@ -45,6 +45,16 @@ static double bound_two(void *self, struct box *box, struct point *met)
     return brdffit_bound_moment_two(&((struct fit *)self)->moment, box, met);
 }
 
+static double start_one(void *self, struct point *met)
+{
+    return brdffit_bound_moment_start_one(&((struct fit *)self)->moment, met);
+}
+
+static double start_two(void *self, struct point *met)
+{
+    return brdffit_bound_moment_start_two(&((struct fit *)self)->moment, met);
+}
+
 static double bound_socp(void *self, struct box *box, struct point *met)
 {
     return brdffit_bound_socp(&((struct fit *)self)->socp, box, met);
@@ -77,6 +87,7 @@ brdffit_status brdffit_fit_engine_start(struct fit *f, const brdffit_options *o,
     engine->lobes = o->lobes;
     engine->try_point = try_point;
     engine->width = width;
+    engine->start = NULL;
     if (o->norm != BRDFFIT_NORM_L2) {
         return start_lp(f, o, engine);
     }
@@ -85,8 +96,9 @@ brdffit_status brdffit_fit_engine_start(struct fit *f, const brdffit_options *o,
         engine->noise = 0.0;
         return brdffit_bound_socp_start(&f->socp, &f->varpro, &f->axis, !o->socp_every_box);
     }
-    brdffit_bound_moment_start(&f->moment, &f->data, f->family, &f->axis, o->lobes);
+    brdffit_bound_moment_start(&f->moment, &f->data, f->family, f->varpro.kernels, &f->axis, o->lobes);
     engine->bound = o->lobes > 1 ? bound_two : bound_one;
+    engine->start = o->lobes > 1 ? start_two : start_one;
     engine->noise = 2.0 * f->moment.moments.slack;
     return BRDFFIT_OK;
 }

@@ -15,80 +15,31 @@
 #include "tolerance.h"
 #include "vector.h"
 
-static void subtract(double *v, const double *u, double factor, size_t n)
-{
-    size_t i;
-
-    for (i = 0; i < n; i++) {
-        v[i] -= factor * u[i];
-    }
-}
-
 /* Remove the part of q_j along earlier q, twice; what remains, normalised, is q_j. */
 static void orthogonalise(struct nnls *nnls, int j)
 {
     double *q = nnls->q[j];
     double rest;
     int pass, i;
-    size_t k;
 
     for (pass = 0; pass < 2; pass++) {
         for (i = 0; i < j; i++) {
-            double part = vector_dot(nnls->q[i], q, nnls->rows);
+            double part = nnls->kernels->dot(nnls->q[i], q, nnls->rows);
 
-            subtract(q, nnls->q[i], part, nnls->rows);
+            nnls->kernels->subtract(q, nnls->q[i], 1.0, part, nnls->rows);
             nnls->r[i][j] += part;
         }
     }
-    rest = sqrt(vector_dot(q, q, nnls->rows));
+    rest = sqrt(nnls->kernels->dot(q, q, nnls->rows));
     if (!(rest > TOL_DEPENDENT)) {
         rest = 0.0;
     }
     nnls->r[j][j] = rest;
-    for (k = 0; k < nnls->rows; k++) {
-        q[k] = rest > 0.0 ? q[k] / rest : 0.0;
-    }
+    nnls->kernels->scale(q, q, rest > 0.0 ? 1.0 / rest : 0.0, nnls->rows);
 }
-
-void brdffit_nnls_factor(struct nnls *nnls, size_t rows, int columns, const double *const *column, double *q)
-{
-    int i, j;
-    size_t k;
-
-    nnls->rows = rows;
-    nnls->columns = columns;
-    for (j = 0; j < columns; j++) {
-        double inverse;
-
-        nnls->column[j] = column[j];
-        nnls->q[j] = q + (size_t)j * rows;
-        nnls->scale[j] = power_of_two(vector_largest(column[j], rows));
-        inverse = 1.0 / nnls->scale[j];
-        for (k = 0; k < rows; k++) {
-            nnls->q[j][k] = column[j][k] * inverse;
-        }
-        nnls->norm[j] = sqrt(vector_dot(nnls->q[j], nnls->q[j], rows));
-        for (k = 0; k < rows && nnls->norm[j] > 0.0; k++) {
-            nnls->q[j][k] /= nnls->norm[j];
-        }
-        for (i = 0; i < NNLS_COLUMNS; i++) {
-            nnls->r[i][j] = 0.0;
-        }
-        if (nnls->norm[j] > 0.0) {
-            orthogonalise(nnls, j);
-        }
-    }
-}
-
-/* One support's little least squares: orthonormal basis of its columns of R. */
-struct support {
-    int count, index[NNLS_COLUMNS];
-    double basis[NNLS_COLUMNS][NNLS_COLUMNS]; /* [column of the support][row] */
-    double upper[NNLS_COLUMNS][NNLS_COLUMNS];
-};
 
 /* 0 when the columns of the support are dependent. */
-static int support_factor(const struct nnls *nnls, unsigned bits, struct support *s)
+static int support_factor(const struct nnls *nnls, unsigned bits, struct nnls_support *s)
 {
     int i, j, k, pass;
 
@@ -135,11 +86,44 @@ static int support_factor(const struct nnls *nnls, unsigned bits, struct support
     return 1;
 }
 
+void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_t rows, int columns,
+                         const double *const *column, double *q)
+{
+    unsigned bits;
+    int i, j;
+
+    nnls->kernels = kernels;
+    nnls->rows = rows;
+    nnls->columns = columns;
+    for (j = 0; j < columns; j++) {
+        nnls->column[j] = column[j];
+        nnls->q[j] = q + (size_t)j * rows;
+        nnls->scale[j] = power_of_two(kernels->magnitude(column[j], rows));
+        kernels->scale(nnls->q[j], column[j], 1.0 / nnls->scale[j], rows);
+        nnls->norm[j] = sqrt(nnls->kernels->dot(nnls->q[j], nnls->q[j], rows));
+        if (nnls->norm[j] > 0.0) {
+            kernels->scale(nnls->q[j], nnls->q[j], 1.0 / nnls->norm[j], rows);
+        }
+        for (i = 0; i < NNLS_COLUMNS; i++) {
+            nnls->r[i][j] = 0.0;
+        }
+        if (nnls->norm[j] > 0.0) {
+            orthogonalise(nnls, j);
+        }
+    }
+    nnls->support[0].count = 0;
+    for (bits = 1; bits < 1u << columns; bits++) {
+        if (!support_factor(nnls, bits, &nnls->support[bits])) {
+            nnls->support[bits].count = 0;
+        }
+    }
+}
+
 /*
  * Solve the support for t; z has one entry a column of the support. Returns the squared norm of what is left of t,
  * from the rest itself: where data are fitted exactly, supports whose projections agree to rounding differ in it.
  */
-static double support_solve(const struct support *s, const double *t, int columns, double *z)
+static double support_solve(const struct nnls_support *s, const double *t, int columns, double *z)
 {
     double rest[NNLS_COLUMNS] = {0.0, 0.0, 0.0}, left = 0.0;
     int i, j, k;
@@ -169,7 +153,7 @@ static double support_solve(const struct support *s, const double *t, int column
 }
 
 /* Best feasible support for t; writes unit-column coefficients. */
-static unsigned best_support(const struct nnls *nnls, const double *t, double *unit, struct support *best)
+static unsigned best_support(const struct nnls *nnls, const double *t, double *unit)
 {
     unsigned bits, chosen = 0;
     double least = 0.0;
@@ -180,27 +164,26 @@ static unsigned best_support(const struct nnls *nnls, const double *t, double *u
         least += j < nnls->columns ? t[j] * t[j] : 0.0;
     }
     for (bits = 1; bits < 1u << nnls->columns; bits++) {
-        struct support s;
+        const struct nnls_support *s = &nnls->support[bits];
         double z[NNLS_COLUMNS];
         double left;
-        int feasible = 1;
+        int feasible = s->count > 0;
 
-        if (!support_factor(nnls, bits, &s)) {
+        if (!feasible) {
             continue;
         }
-        left = support_solve(&s, t, nnls->columns, z);
-        for (j = 0; j < s.count; j++) {
+        left = support_solve(s, t, nnls->columns, z);
+        for (j = 0; j < s->count; j++) {
             feasible = feasible && z[j] > 0.0;
         }
         if (feasible && left < least) {
             least = left;
             chosen = bits;
-            *best = s;
             for (j = 0; j < NNLS_COLUMNS; j++) {
                 unit[j] = 0.0;
             }
-            for (j = 0; j < s.count; j++) {
-                unit[s.index[j]] = z[j];
+            for (j = 0; j < s->count; j++) {
+                unit[s->index[j]] = z[j];
             }
         }
     }
@@ -212,7 +195,7 @@ static void project(const struct nnls *nnls, const double *v, double *t)
     int j;
 
     for (j = 0; j < nnls->columns; j++) {
-        t[j] = vector_dot(nnls->q[j], v, nnls->rows);
+        t[j] = nnls->kernels->dot(nnls->q[j], v, nnls->rows);
     }
 }
 
@@ -220,23 +203,14 @@ static void project(const struct nnls *nnls, const double *v, double *t)
 static void residual_of(const struct nnls *nnls, const double *data, double data_scale, const double *unit,
                         double *residual)
 {
-    double inverse = 1.0 / data_scale;
-    size_t k;
     int j;
 
-    for (k = 0; k < nnls->rows; k++) {
-        residual[k] = data[k] * inverse;
-    }
+    nnls->kernels->scale(residual, data, 1.0 / data_scale, nnls->rows);
     for (j = 0; j < nnls->columns; j++) {
-        double factor, scale;
-
-        if (unit[j] == 0.0) {
-            continue;
-        }
-        factor = unit[j] / nnls->norm[j];
-        scale = 1.0 / nnls->scale[j];
-        for (k = 0; k < nnls->rows; k++) {
-            residual[k] -= factor * (nnls->column[j][k] * scale);
+        if (unit[j] != 0.0) {
+            /* Two factors: their product may overflow where the column is tiny. */
+            nnls->kernels->subtract(residual, nnls->column[j], 1.0 / nnls->scale[j], unit[j] / nnls->norm[j],
+                                    nnls->rows);
         }
     }
 }
@@ -251,7 +225,7 @@ static double kkt_residual(const struct nnls *nnls, const double *residual, unsi
         double slope = 0.0;
 
         if (nnls->norm[j] > 0.0) {
-            slope = vector_dot(nnls->column[j], residual, nnls->rows) / nnls->scale[j] / nnls->norm[j];
+            slope = nnls->kernels->dot(nnls->column[j], residual, nnls->rows) / nnls->scale[j] / nnls->norm[j];
         }
         worst = fmax(worst, support & (1u << j) ? fabs(slope) : slope);
     }
@@ -259,7 +233,7 @@ static double kkt_residual(const struct nnls *nnls, const double *residual, unsi
 }
 
 /* One step of iterative refinement on the chosen support; kept only while it stays feasible. */
-static void refine(const struct nnls *nnls, const struct support *s, const double *residual, double *unit)
+static void refine(const struct nnls *nnls, const struct nnls_support *s, const double *residual, double *unit)
 {
     double t[NNLS_COLUMNS], step[NNLS_COLUMNS];
     int j;
@@ -279,25 +253,24 @@ static void refine(const struct nnls *nnls, const struct support *s, const doubl
 void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual,
                         struct nnls_answer *answer)
 {
-    struct support best = {0};
     double t[NNLS_COLUMNS], data_norm;
     int j;
 
-    answer->data_scale = power_of_two(vector_largest(data, nnls->rows));
+    answer->data_scale = power_of_two(nnls->kernels->magnitude(data, nnls->rows));
     for (j = 0; j < NNLS_COLUMNS; j++) {
         answer->unit[j] = 0.0;
         answer->z[j] = 0.0;
     }
     residual_of(nnls, data, answer->data_scale, answer->unit, residual);
-    data_norm = sqrt(vector_dot(residual, residual, nnls->rows));
+    data_norm = sqrt(nnls->kernels->dot(residual, residual, nnls->rows));
     project(nnls, residual, t);
-    answer->support = best_support(nnls, t, answer->unit, &best);
+    answer->support = best_support(nnls, t, answer->unit);
     if (answer->support) {
         residual_of(nnls, data, answer->data_scale, answer->unit, residual);
-        refine(nnls, &best, residual, answer->unit);
+        refine(nnls, &nnls->support[answer->support], residual, answer->unit);
         residual_of(nnls, data, answer->data_scale, answer->unit, residual);
     }
-    answer->rss = vector_dot(residual, residual, nnls->rows);
+    answer->rss = nnls->kernels->dot(residual, residual, nnls->rows);
     answer->kkt = kkt_residual(nnls, residual, answer->support, data_norm);
     for (j = 0; j < nnls->columns; j++) {
         if (answer->unit[j] > 0.0) {

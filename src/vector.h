@@ -1,5 +1,5 @@
 /*
- * Small helpers on vectors of doubles. Layer 0. SPDX-License-Identifier: MIT
+ * Small helpers on doubles and vectors of them. Layer 0. SPDX-License-Identifier: MIT
  */
 #ifndef BRDFFIT_VECTOR_H
 #define BRDFFIT_VECTOR_H
@@ -7,22 +7,15 @@
 #include <math.h>
 #include <stddef.h>
 
-/* u.v in four lanes of fixed order, so that its bits do not depend on the instruction set. */
-static inline double vector_dot(const double *u, const double *v, size_t n)
+/* fmax() and fmin() without a call, for numbers; a NaN in x gives y. */
+static inline double larger(double x, double y)
 {
-    double sum[4] = {0.0, 0.0, 0.0, 0.0};
-    size_t i = 0;
+    return x > y ? x : y;
+}
 
-    for (; i + 4 <= n; i += 4) {
-        sum[0] += u[i] * v[i];
-        sum[1] += u[i + 1] * v[i + 1];
-        sum[2] += u[i + 2] * v[i + 2];
-        sum[3] += u[i + 3] * v[i + 3];
-    }
-    for (; i < n; i++) {
-        sum[0] += u[i] * v[i];
-    }
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+static inline double smaller(double x, double y)
+{
+    return x < y ? x : y;
 }
 
 static inline double vector_largest(const double *v, size_t n)
