@@ -32,7 +32,7 @@ def test_the_same_line_as_the_command_line(instruments, name, options):
 def test_options_default_as_in_c():
     ours, theirs = brdffit.Options()._struct(), brdffit._ffi.library().options()
     for name, _ in ours._fields_:
-        if name != "progress":
+        if name not in ("progress", "box"):
             assert getattr(ours, name) == getattr(theirs, name), name
 
 

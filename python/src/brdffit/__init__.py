@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._ffi import LibraryError
 from ._version import __version__
+from .boxes import Boxes, fit_boxes
 from .errors import BrdffitError, DataError, FileError, OptionError, OutOfMemoryError, UnsupportedError
 from .fit import Fit, fit
 from .many import fit_many
@@ -23,9 +24,9 @@ from .samples import Samples, protocol84
 if TYPE_CHECKING:
     from .regressor import BRDFRegressor
 
-__all__ = ["BRDFRegressor", "BrdffitError", "DataError", "FileError", "Fit", "LibraryError", "MerlTable", "Options",
+__all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "DataError", "FileError", "Fit", "LibraryError", "MerlTable", "Options",
            "OptionError", "OutOfMemoryError", "Progress", "Samples", "UnsupportedError", "__version__", "fit",
-           "fit_many", "library_path", "load_merl", "protocol84"]
+           "fit_boxes", "fit_many", "library_path", "load_merl", "protocol84"]
 
 
 def library_path() -> str:

@@ -80,6 +80,20 @@ class Progress(ctypes.Structure):
 ProgressFunction = ctypes.CFUNCTYPE(c_int, c_void_p, POINTER(Progress))
 
 
+class Box(ctypes.Structure):
+    """brdffit_box"""
+
+    _fields_ = [
+        ("sigma_low", c_double * MAX_LOBES),
+        ("sigma_high", c_double * MAX_LOBES),
+        ("lower_bound", c_double),
+        ("level", c_int),
+    ]
+
+
+BoxFunction = ctypes.CFUNCTYPE(None, c_void_p, POINTER(Box))
+
+
 class Options(ctypes.Structure):
     """brdffit_options"""
 
@@ -103,6 +117,8 @@ class Options(ctypes.Structure):
         ("isa", c_int),
         ("progress", ProgressFunction),
         ("progress_user", c_void_p),
+        ("box", BoxFunction),
+        ("box_user", c_void_p),
     ]
 
 
@@ -217,6 +233,7 @@ C_NAMES = {
     "brdffit_error": Error,
     "brdffit_samples": Samples,
     "brdffit_progress": Progress,
+    "brdffit_box": Box,
     "brdffit_options": Options,
     "brdffit_model": Model,
     "brdffit_lobe": Lobe,

@@ -7,7 +7,7 @@ import json
 import os
 import time
 from ctypes import POINTER, byref
-from typing import Any, Mapping, Union
+from typing import Any, Callable, Mapping, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -225,12 +225,15 @@ def fit(samples: SamplesLike, *, lobes: int = 1, distribution: str = "beckmann",
 
 
 def run(samples: Samples, options: Options, verify: float | None, progress: ProgressArgument,
-        read: Mapping[str, float]) -> Fit:
+        read: Mapping[str, float], box: Callable[[object, Any], None] | None = None) -> Fit:
     """The fit itself: one call of brdffit_fit_new, and its result in Python's own memory."""
     ffi = library()
     c_options, c_samples = options._struct(), samples._struct()
     observer = Observer(progress)
     observer.attach(c_options)
+    if box is not None:
+        box_function = structs.BoxFunction(box)  # alive until the call returns
+        c_options.box = box_function
     result = POINTER(structs.Result)()
     error = structs.Error()
     began = time.perf_counter()

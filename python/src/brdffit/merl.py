@@ -13,7 +13,7 @@ from .errors import DataError, FileError, OptionError
 from .samples import Path, Samples, choose
 
 Index = npt.NDArray[np.intp]
-_SNAP = 1e-12  # radians: IO_EDGE_SNAP
+_SNAP = 1e-14  # radians: IO_EDGE_SNAP
 SCALE = np.array([1.0, 1.15, 1.66]) / 1500
 
 
