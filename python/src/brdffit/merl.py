@@ -72,7 +72,7 @@ def _cells(dims: tuple[int, ...], l: Floats, v: Floats) -> tuple[Index, Index, I
     return np.minimum(i, n_h - 1), np.minimum(j, n_d - 1), np.where(k < n_p, k, 0)
 
 
-def _settle(part: Floats, snap: npt.ArrayLike, bins: int, square: bool = False) -> Index:
+def _settle(part: Floats, snap: float | Floats, bins: int, square: bool = False) -> Index:
     """Bin of an angle that is `part` of its range; edge i is at i/bins, or at its square."""
     index = np.minimum(bins * (np.sqrt(part) if square else part), bins).astype(np.intp)
     edge = (index + 1) / bins

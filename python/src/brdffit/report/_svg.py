@@ -116,9 +116,9 @@ class Plot:
             frame.append("<path class='grid' d='M%s %sV%s'/><text x='%s' y='%s' text-anchor='middle'>%s</text>" % (
                 p, number(TOP), number(bottom), p, number(bottom + 14), label(t)))
         for t in self.y.ticks():
-            p = float(self.y.place(t))
+            q = float(self.y.place(t))
             frame.append("<path class='grid' d='M%s %sH%s'/><text x='%s' y='%s' text-anchor='end'>%s</text>" % (
-                number(LEFT), number(p), number(right), number(LEFT - 5), number(p + 4), label(t)))
+                number(LEFT), number(q), number(right), number(LEFT - 5), number(q + 4), label(t)))
         middle = number((TOP + bottom) / 2)
         return ("<svg viewBox='0 0 %s %s' role='img' aria-label='%s'>%s"
                 "<svg x='%s' y='%s' width='%s' height='%s' viewBox='%s %s %s %s'>%s</svg>"
