@@ -109,6 +109,7 @@ help:
 	@echo 'make install     to $(prefix) (PREFIX, DESTDIR, bindir, libdir, ... are honoured)'
 	@echo 'make uninstall   remove what install put there'
 	@echo 'make peers       levmar and Ceres, local solvers to compare with (downloads them; GPL)'
+	@echo 'make bench [DATA="dir ..."] [QUICK=1]   run time against error, beside every peer'
 	@echo 'make paper DATA=dir [STARTS=100]   the paper'\''s experiments on MERL or CSV files'
 	@echo 'make clean       remove what was built; keeps downloads'
 	@echo 'make distclean   remove $(BUILD)/ whole'
@@ -369,5 +370,6 @@ distclean:
 	rm -rf $(BUILD)
 
 include tools/bench/peers.mk
+include tools/bench/bench.mk
 
 -include $(wildcard $(OBJ)/src/*.d $(OBJ)/src/io/*.d $(OBJ)/tools/*/*.d $(OBJ)/tests/*.d $(OBJ)/tests/*/*.d)
