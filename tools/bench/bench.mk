@@ -18,7 +18,12 @@ CURVES_REDUCED := $(OBJ)/tools/bench/curves_reduced.o $(OBJ)/tools/bench/curves_
 
 .PHONY: bench bench-programs
 
-bench-programs: $(BUILD)/curves $(BUILD)/libcurves_reduced.so $(BENCH_PROGRAMS) $(BUILD)/brdffit
+bench-programs: $(BUILD)/curves $(BUILD)/libcurves_reduced.so $(BUILD)/families $(BUILD)/scaling $(BENCH_PROGRAMS) \
+    $(BUILD)/brdffit
+
+$(BUILD)/families $(BUILD)/scaling: $(BUILD)/%: $(OBJ)/tools/bench/%.o $(OBJ)/tools/goniometer/random.o $(STATIC) \
+    $(BUILD)/link.flags
+	$(call say,LINK,$@)$(LINK) -o $@ $< $(OBJ)/tools/goniometer/random.o $(STATIC) -lm
 
 # 1 or 0; installed by this rule alone.
 $(OBJ)/bench.nlopt: FORCE
@@ -61,5 +66,5 @@ bench: bench-programs
 
 clean: clean-bench
 clean-bench:
-	rm -f $(BUILD)/curves $(BUILD)/libcurves_reduced.so
+	rm -f $(BUILD)/curves $(BUILD)/families $(BUILD)/scaling $(BUILD)/libcurves_reduced.so
 .PHONY: clean-bench

@@ -19,20 +19,23 @@ struct recipe {
     int linear;            /* the variable is sigma itself */
 };
 
+/* MLSL compares every point with every other: its time grows with the square of the evaluations. */
+#define MOST_OF_MLSL 2000
+
 enum { POLISH = 1, PLAIN = 0, LOGARITHM = 0, LINEAR = 1 };
 
 static const struct recipe recipes[] = {
     {NLOPT_GN_DIRECT_L, NLOPT_LD_LBFGS, POLISH, LOGARITHM},
-    {NLOPT_G_MLSL_LDS, NLOPT_LD_LBFGS, PLAIN, LOGARITHM},
+    {NLOPT_G_MLSL, NLOPT_LD_LBFGS, PLAIN, LOGARITHM},
     {NLOPT_GD_STOGO, NLOPT_LD_LBFGS, POLISH, LOGARITHM},
     {NLOPT_GN_CRS2_LM, NLOPT_LD_LBFGS, POLISH, LOGARITHM},
     {NLOPT_GN_DIRECT_L, NLOPT_LD_LBFGS, PLAIN, LOGARITHM},
     {NLOPT_GN_DIRECT_L, NLOPT_LD_LBFGS, POLISH, LINEAR},
     {NLOPT_GN_DIRECT_L_RAND, NLOPT_LD_LBFGS, POLISH, LOGARITHM},
     {NLOPT_GN_ORIG_DIRECT_L, NLOPT_LD_LBFGS, POLISH, LOGARITHM},
-    {NLOPT_G_MLSL, NLOPT_LD_LBFGS, PLAIN, LOGARITHM},
-    {NLOPT_G_MLSL_LDS, NLOPT_LN_SBPLX, PLAIN, LOGARITHM},
-    {NLOPT_G_MLSL_LDS, NLOPT_LD_LBFGS, PLAIN, LINEAR},
+    {NLOPT_G_MLSL_LDS, NLOPT_LD_LBFGS, PLAIN, LOGARITHM},
+    {NLOPT_G_MLSL, NLOPT_LN_SBPLX, PLAIN, LOGARITHM},
+    {NLOPT_G_MLSL, NLOPT_LD_LBFGS, PLAIN, LINEAR},
     {NLOPT_GD_STOGO_RAND, NLOPT_LD_LBFGS, POLISH, LOGARITHM},
     {NLOPT_GD_STOGO, NLOPT_LD_LBFGS, PLAIN, LOGARITHM},
     {NLOPT_GN_CRS2_LM, NLOPT_LD_LBFGS, PLAIN, LOGARITHM},
@@ -125,9 +128,14 @@ static void optimise(const struct recipe *recipe, struct target *target, unsigne
 static void run_nlopt(const struct curves_task *task, const struct curves_method *method)
 {
     static const int step[] = {10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000, 50000, 100000};
+    int most = task->options->evaluations, mlsl = recipes[method->choice].algorithm == NLOPT_G_MLSL ||
+                                                  recipes[method->choice].algorithm == NLOPT_G_MLSL_LDS;
     size_t i;
 
-    for (i = 0; i < sizeof step / sizeof *step && step[i] <= task->options->evaluations; i++) {
+    if (mlsl && most > MOST_OF_MLSL) {
+        most = MOST_OF_MLSL;
+    }
+    for (i = 0; i < sizeof step / sizeof *step && step[i] <= most; i++) {
         double time[CURVES_MOST_REPEATS], spent = 0.0;
         struct curves_row row = {.knob = step[i]};
         struct target target;
@@ -160,7 +168,7 @@ const struct curves_method curves_nlopt_methods[] = {
     {"nlopt-direct-l:linear", run_nlopt, 1, 5},
     {"nlopt-direct-l:rand", run_nlopt, 1, 6},
     {"nlopt-direct-l:original", run_nlopt, 1, 7},
-    {"nlopt-mlsl:random", run_nlopt, 1, 8},
+    {"nlopt-mlsl:sobol", run_nlopt, 1, 8},
     {"nlopt-mlsl:sbplx", run_nlopt, 1, 9},
     {"nlopt-mlsl:linear", run_nlopt, 1, 10},
     {"nlopt-stogo:rand", run_nlopt, 1, 11},
