@@ -42,7 +42,7 @@ static struct span open_span(struct bound_lp *e, double low, double high)
     s.u[1] = u[0];
     s.u[2] = 0.5 * s.u[0] + 0.5 * s.u[1];
     for (j = 0; j < 3; j++) {
-        v->family->shape(data->c, data->stride, s.u[j], e->phi[j]);
+        brdffit_family_shape(v->family, v->kernels, data->c, data->stride, s.u[j], e->phi[j]);
     }
     for (j = 0; j < data->distinct; j++) {
         double share = data->bb[j] * (e->phi[2][j] * e->phi[2][j]), ell, slope;

@@ -2,18 +2,19 @@
  * Engine `moment`: see bound_moment.h and theory 4.2. Layer 3. SPDX-License-Identifier: MIT
  *
  * For fixed coefficients z >= 0 let f_z(u) = sum_k 2 t.z_k - z_k'M z_k, so that J = max_z f_z is what a point
- * of the box gains: E^2 = T - J. Along one side of the box f_z exceeds its chord by at most
- * max(0, D(z)), D(z) = (width^2 / 8) sup(-f_z''), which is linear in sup(-tau''), sup kappa'' and sup mu''. So
+ * of the box gains: E^2 = T - J. Along one side of the box, at fraction x of it, f_z exceeds its chord by at most
+ * w(x) D(z), w(x) = 4 x (1 - x), D(z) = (width^2 / 8) sup(-f_z''), which is linear in sup(-tau''), sup kappa'' and
+ * sup mu''. So J(x) is at most the gain of the chord of (t, M) with w(x) times the (signed) shifts, the same x for all
+ * channels; kernels_gains.h bounds that over x, and over both sides of a box with two lobes, from the gains at
+ * the corners with each subset of the sides shifted.
  *
- *     J <= max over the corners and over the subsets of sides that are shifted, of R(t + shift, M - shift)
+ * R is finite only for off-diagonals >= 0; theory.md clips a shifted off-diagonal at 0, which is not a bound when
+ * only some corners are clipped (the chord through clipped corners can lie above the true curve). Here an entry
+ * that would fall below 0 at any corner is replaced at all corners by its infimum over the box, a constant that
+ * minorises it. Raising an entry to at most 1 is never needed: gains clip there, on the safe side.
  *
- * with signed shifts, the same subset for all channels. R is finite only for off-diagonals >= 0; theory.md
- * clips a shifted off-diagonal at 0, which is not a bound when only some corners are clipped (the chord through
- * clipped corners can lie above the true curve). Here an entry that would fall below 0 at any corner is
- * replaced at all corners by its infimum over the box, a constant that minorises it. Raising an entry to at
- * most 1 is never needed: gains clip there, on the safe side.
- *
- * For wide boxes the monotone bound, every tau at its supremum and every cosine at its infimum, can be smaller.
+ * For wide boxes the monotone bound, every tau at its supremum and every cosine at its infimum, can be smaller. It is
+ * looked at only when the other does not close the box.
  */
 #include "bound_moment.h"
 
@@ -30,19 +31,44 @@ void brdffit_bound_moment_layout(struct bound_moment *e, struct arena *arena, si
 }
 
 void brdffit_bound_moment_start(struct bound_moment *e, const struct reduced *data, const struct family *family,
-                                const struct axis *axis, int lobes)
+                                const struct kernels *kernels, struct axis *axis, int lobes)
 {
     e->axis = axis;
-    brdffit_moments_start(&e->moments, data, family, lobes);
+    brdffit_moments_start(&e->moments, data, family, kernels, lobes);
     brdffit_intervals_start(&e->intervals, &e->moments);
 }
 
-const struct interval *brdffit_bound_moment_side(struct bound_moment *e, uint32_t index)
+static struct interval *plain_side(struct bound_moment *e, uint32_t index)
 {
     const struct axis_interval *i = &e->axis->interval[index];
 
     return brdffit_interval(&e->intervals, index, i->low, i->high, e->axis->coordinate[i->low],
                             e->axis->coordinate[i->high]);
+}
+
+/* Refine an interval by its halves, these refined `depth` - 1 times before, as far as there are nodes to spare. */
+static struct interval *refined_side(struct bound_moment *e, uint32_t index, int depth)
+{
+    struct interval *v = plain_side(e, index);
+
+    if (v->refined < depth && e->axis->nodes < e->axis->node_capacity / 2) {
+        uint32_t child = brdffit_axis_split(e->axis, index);
+
+        if (child) {
+            brdffit_interval_refine(&e->intervals, v, refined_side(e, child, depth - 1),
+                                    refined_side(e, child + 1, depth - 1));
+            v->refined = depth;
+        }
+    }
+    return v;
+}
+
+const struct interval *brdffit_bound_moment_side(struct bound_moment *e, uint32_t index)
+{
+    struct interval *v = plain_side(e, index);
+    double change = v->low->mean * (v->high->u - v->low->u);
+
+    return change > REFINE_TWICE ? refined_side(e, index, 2) : change > REFINE_ONCE ? refined_side(e, index, 1) : v;
 }
 
 double brdffit_bound_moment_objective(const struct bound_moment *e, double gain)
@@ -66,49 +92,59 @@ void brdffit_bound_moment_meet(const struct bound_moment *e, double gain, const 
 
 /* ---- one lobe ---- */
 
-/* Sum over channels; shift: 0 or 1 times the interval's tau shifts. */
-static double gain_one(const struct bound_moment *e, const double *tau, const double *shift, double factor,
-                       double kappa)
+static double monotone_one(const struct bound_moment *e, const struct interval *v)
 {
     double sum = 0.0;
     size_t k;
 
     for (k = 0; k < e->moments.data->channels; k++) {
-        double t = factor != 0.0 ? tau[k] + factor * shift[k] : tau[k];
-
-        sum += brdffit_nnls_gain2(e->moments.omega[k], t, kappa);
+        sum += brdffit_nnls_gain2(e->moments.omega[k], v->tau_sup[k], v->kappa_inf);
     }
     return sum;
+}
+
+static int finite_shifts(const struct bound_moment *e, const struct interval *v)
+{
+    int finite = isfinite(v->kappa_shift);
+    size_t k;
+
+    for (k = 0; k < e->moments.data->channels; k++) {
+        finite = finite && isfinite(v->tau_shift[k]);
+    }
+    return finite;
 }
 
 double brdffit_bound_moment_one(void *self, struct box *box, struct point *met)
 {
     struct bound_moment *e = self;
     const struct interval *v = brdffit_bound_moment_side(e, box->interval[0]);
-    const struct node *corner[2] = {v->low, v->high};
-    double best = INFINITY, vertex = 0.0, monotone;
-    int constant = !(fmin(v->low->kappa, v->high->kappa) - fmax(v->kappa_shift, 0.0) >= 0.0);
+    struct gains_one in = {.channels = e->moments.data->channels,
+                           .omega = e->moments.omega,
+                           .tau = {v->low->tau, v->high->tau},
+                           .shift = v->tau_shift,
+                           .cosine = {v->low->kappa, v->high->kappa},
+                           .fall = v->kappa_shift};
+    double cutoff = box->bound, best = INFINITY, gain[4];
     int i;
 
     box->split = 0;
-    monotone = gain_one(e, v->tau_sup, v->tau_shift, 0.0, v->kappa_inf);
+    e->moments.kernels->gains_one(&in, gain);
     for (i = 0; i < 2; i++) {
-        const struct node *n = corner[i];
-        uint32_t index = i ? v->high_index : v->low_index;
-        double theta[2] = {e->axis->coordinate[index], e->axis->coordinate[index]};
-        double plain = gain_one(e, n->tau, v->tau_shift, 0.0, fmax(n->kappa, 0.0));
-        double shifted = gain_one(e, n->tau, v->tau_shift, 1.0,
-                                  constant ? v->kappa_inf : n->kappa - v->kappa_shift);
+        double theta = e->axis->coordinate[i ? v->high_index : v->low_index];
 
-        brdffit_bound_moment_meet(e, plain, theta, &best, met);
-        if (constant) {
-            plain = gain_one(e, n->tau, v->tau_shift, 0.0, v->kappa_inf);
-        }
-        vertex = fmax(vertex, fmax(plain, shifted));
-        if (!isfinite(shifted) || !isfinite(v->kappa_shift)) {
-            vertex = INFINITY;
-        }
+        brdffit_bound_moment_meet(e, gain[i], (double[2]){theta, theta}, &best, met);
     }
-    box->bound = brdffit_bound_moment_objective(e, fmin(vertex, monotone));
+    box->bound = 0.0;
+    if (finite_shifts(e, v)) {
+        if (!(fmin(in.cosine[0], in.cosine[1]) - fmax(in.fall, 0.0) >= 0.0)) {
+            in.cosine[0] = in.cosine[1] = v->kappa_inf;
+            in.fall = 0.0;
+            e->moments.kernels->gains_one(&in, gain);
+        }
+        box->bound = brdffit_bound_moment_objective(e, e->moments.kernels->climb_one(gain));
+    }
+    if (!(box->bound >= cutoff)) {
+        box->bound = fmax(box->bound, brdffit_bound_moment_objective(e, monotone_one(e, v)));
+    }
     return best;
 }

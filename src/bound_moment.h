@@ -9,7 +9,7 @@
 #include "interval.h"
 
 struct bound_moment {
-    const struct axis *axis;
+    struct axis *axis; /* refinement of its intervals splits it ahead of the search */
     struct moments moments;
     struct intervals intervals;
 };
@@ -18,9 +18,10 @@ void brdffit_bound_moment_layout(struct bound_moment *engine, struct arena *aren
                                  size_t channels, uint32_t node_capacity, int lobes);
 
 void brdffit_bound_moment_start(struct bound_moment *engine, const struct reduced *data,
-                                const struct family *family, const struct axis *axis, int lobes);
+                                const struct family *family, const struct kernels *kernels, struct axis *axis,
+                                int lobes);
 
-/* What is known of one interval of the axis. */
+/* What is known of one interval of the axis, refined where that pays. */
 const struct interval *brdffit_bound_moment_side(struct bound_moment *engine, uint32_t index);
 
 /* Lower bound of E^2 from an upper bound of J; never below 0, which is always true. */

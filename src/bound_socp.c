@@ -133,12 +133,12 @@ static struct deviation deviation(const struct bound_socp *e, double low, double
     size_t j;
 
     v->family->variable(data->c_min, low, u);
-    v->family->shape(data->c, data->stride, u[0], at_low);
+    brdffit_family_shape(v->family, v->kernels, data->c, data->stride, u[0], at_low);
     u_low = u[0];
     v->family->variable(data->c_min, centre, u);
-    v->family->shape(data->c, data->stride, u[0], at_centre);
+    brdffit_family_shape(v->family, v->kernels, data->c, data->stride, u[0], at_centre);
     v->family->variable(data->c_min, high, u);
-    v->family->shape(data->c, data->stride, u[0], at_high);
+    brdffit_family_shape(v->family, v->kernels, data->c, data->stride, u[0], at_high);
     for (j = 0; j < data->distinct; j++) {
         double most = fmax(at_low[j] - at_centre[j], at_centre[j] - at_high[j]);
         double steep = steepness(v->family, data->c[j], u_low, u[0], at_low[j]);
@@ -211,7 +211,7 @@ static double project(struct bound_socp *e, size_t k, double *left)
         v->residual[r] = value[r];
     }
     for (i = 0; i < group; i++) {
-        double t = vector_dot(v->nnls.q[i], v->residual, v->data->rows);
+        double t = v->kernels->dot(v->nnls.q[i], v->residual, v->data->rows);
 
         left[i] = t;
         for (j = i; j < group; j++) {
@@ -221,7 +221,7 @@ static double project(struct bound_socp *e, size_t k, double *left)
             v->residual[r] -= t * v->nnls.q[i][r];
         }
     }
-    return vector_dot(v->residual, v->residual, v->data->rows);
+    return v->kernels->dot(v->residual, v->residual, v->data->rows);
 }
 
 /*

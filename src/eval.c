@@ -47,8 +47,8 @@ static void eval_one(const brdffit_model *m, const struct family *family, const 
     }
 }
 
-brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *at, double *out,
-                            brdffit_error *error)
+brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_samples *at, double *out,
+                                brdffit_error *error)
 {
     brdffit_status status = check_model(model, error);
     const struct family *family;
@@ -86,8 +86,8 @@ brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *a
     return BRDFFIT_OK;
 }
 
-brdffit_status brdffit_inspect(const brdffit_samples *samples, const brdffit_options *options, size_t *used,
-                               size_t skipped[BRDFFIT_SKIP_COUNT], brdffit_error *error)
+brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit_options *options, size_t *used,
+                                   size_t skipped[BRDFFIT_SKIP_COUNT], brdffit_error *error)
 {
     brdffit_options defaults;
     brdffit_status status;

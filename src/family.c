@@ -21,15 +21,6 @@ static void exponential_variable(double c_min, double theta, double u[3])
     u[2] = u[0];
 }
 
-static void exponential_shape(const double *c, size_t n, double u, double *phi)
-{
-    size_t j;
-
-    for (j = 0; j < n; j++) {
-        phi[j] = kernel_exp(-c[j] * u);
-    }
-}
-
 static void exponential_slope(double c, double u, double *ell, double *slope)
 {
     (void)u;
@@ -106,7 +97,7 @@ static double ashikhmin_factor(double c_min, double s)
 
 #define EXPONENTIAL(by_exponent, name)                                                                         \
     {                                                                                                          \
-        1, by_exponent, exponential_variable, exponential_shape, exponential_slope, name##_factor,             \
+        1, by_exponent, exponential_variable, NULL, exponential_slope, name##_factor,             \
             exponential_tail, exponential_exponent, name##_evaluate                                           \
     }
 

@@ -16,6 +16,7 @@
 #include <stddef.h>
 
 #include "brdffit.h"
+#include "kernels.h"
 
 struct family {
     int exponential; /* the fast case: ell = -c' whatever u is, and slope = 0 */
@@ -24,7 +25,7 @@ struct family {
     /* u and its first and second derivative by theta. */
     void (*variable)(double c_min, double theta, double u[3]);
 
-    /* phi(u, c_j) for n (a multiple of LANES) values. */
+    /* phi(u, c_j) for n (a multiple of LANES) values; NULL for exponential families: see brdffit_family_shape(). */
     void (*shape)(const double *c, size_t n, double u, double *phi);
 
     /* ell and slope at one c. */
@@ -51,5 +52,16 @@ extern const struct family brdffit_family_ggx;
 
 /* The distribution must be one of ours. */
 const struct family *brdffit_family_of(brdffit_distribution distribution);
+
+/* phi(u, c_j) of any family, by the kernels where they have it. */
+static inline void brdffit_family_shape(const struct family *family, const struct kernels *kernels, const double *c,
+                                        size_t n, double u, double *phi)
+{
+    if (family->exponential) {
+        kernels->exponential_shape(c, n, u, phi);
+    } else {
+        family->shape(c, n, u, phi);
+    }
+}
 
 #endif

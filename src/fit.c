@@ -66,6 +66,7 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
     rules->progress = o->progress;
     rules->progress_user = o->progress_user;
     rules->progress_scale = brdffit_fit_scale(&f->data, o);
+    brdffit_fit_observe(f, o, rules);
     return BRDFFIT_OK;
 }
 
@@ -84,7 +85,7 @@ static brdffit_status check_call(const brdffit_samples *samples, const brdffit_o
     if (!workspace || !result) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "workspace or result is NULL");
     }
-    needed = brdffit_workspace_size(samples->count, samples->channels, options);
+    needed = brdffit_fit_workspace(samples->count, samples->channels, options);
     if (needed == 0) {
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "more samples or channels than can be addressed");
     }
@@ -118,8 +119,8 @@ brdffit_status brdffit_fit_open(struct fit *f, const brdffit_samples *samples, c
     return BRDFFIT_OK;
 }
 
-brdffit_status brdffit_fit(const brdffit_samples *samples, const brdffit_options *options, void *workspace,
-                           size_t workspace_size, brdffit_result *result, brdffit_error *error)
+brdffit_status brdffit_fit_run(const brdffit_samples *samples, const brdffit_options *options, void *workspace,
+                               size_t workspace_size, brdffit_result *result, brdffit_error *error)
 {
     brdffit_options defaults;
     brdffit_status status;

@@ -11,10 +11,18 @@
 #include "bound_moment.h"
 #include "bound_socp.h"
 #include "brdffit.h"
+#include "environment.h"
 #include "heap.h"
 #include "reduce.h"
 #include "search.h"
 #include "varpro.h"
+
+/* What shows boxes to the caller: observe.c. */
+struct observer {
+    const struct fit *fit;
+    const brdffit_options *options;
+    double scale; /* objective to the caller's units */
+};
 
 struct fit {
     struct reduced data;
@@ -31,6 +39,7 @@ struct fit {
     double theta_flat;            /* beyond theta_high nothing changes up to here: the end of the range, or of finite y */
     double theta_tail;            /* end of the options' range */
     double *x, *y, *rms;          /* K, K x P, K: the result's arrays */
+    struct observer observer;
 };
 
 /* Defaults for NULL, and every field in its range. */
@@ -61,11 +70,31 @@ void brdffit_fit_prepare(struct fit *fit, const brdffit_options *options);
 brdffit_status brdffit_fit_engine_start(struct fit *fit, const brdffit_options *options, struct engine *engine);
 void brdffit_fit_engine_finish(struct fit *fit, const brdffit_options *options);
 
+/* Have the rules show each box to the options' callback. *options and *fit must live as long as the search. */
+void brdffit_fit_observe(struct fit *fit, const brdffit_options *options, struct search_rules *rules);
+
+/* The roughness of theta, s^(-1/2) whatever the distribution's parameter is, never outside of the options' range. */
+double brdffit_fit_sigma(const struct fit *fit, double theta, const brdffit_options *options);
+
 /* Exact objective at a point in the fit's norm, while its engine is there. With `prove`, value->kkt is meant too. */
 void brdffit_fit_evaluate(struct fit *fit, const struct point *at, int prove, struct varpro_value *value);
 
 /* Fill *result from the outcome of a search; objective_scale turns its objective into the caller's units. */
 void brdffit_report(struct fit *fit, const brdffit_options *options, double objective_scale,
                     const struct search_result *found, brdffit_result *result);
+
+/* The public functions without the change of the floating-point environment (entry.c calls them). */
+ENVIRONMENT_APART size_t brdffit_fit_workspace(size_t count, size_t channels, const brdffit_options *options);
+ENVIRONMENT_APART brdffit_status brdffit_fit_run(const brdffit_samples *samples, const brdffit_options *options,
+                                                 void *workspace, size_t workspace_size, brdffit_result *result,
+                                                 brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_reprove_run(const brdffit_samples *samples, const brdffit_options *options,
+                                                     double level, void *workspace, size_t workspace_size,
+                                                     brdffit_reproof *reproof, brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit_options *options,
+                                                     size_t *used, size_t skipped[BRDFFIT_SKIP_COUNT],
+                                                     brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_samples *at, double *out,
+                                                  brdffit_error *error);
 
 #endif

@@ -35,7 +35,7 @@ static int finite_y(struct fit *f, double theta, double exponent)
     size_t j;
 
     f->family->variable(data->c_min, theta, u);
-    f->family->shape(data->c, data->stride, u[0], f->varpro.phi);
+    brdffit_family_shape(f->family, f->varpro.kernels, data->c, data->stride, u[0], f->varpro.phi);
     for (j = 0; j < data->distinct; j++) {
         h += data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]);
     }
@@ -90,6 +90,7 @@ void brdffit_fit_prepare(struct fit *f, const brdffit_options *o)
 
     f->family = brdffit_family_of(o->distribution);
     f->norm = o->norm;
+    f->varpro.kernels = brdffit_kernels(o->isa);
     f->theta_low = f->family->by_exponent ? kernel_log(o->exponent_min) : -2.0 * kernel_log(o->sigma_max);
     f->theta_tail = f->family->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min);
     f->theta_flat = f->theta_tail;

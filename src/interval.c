@@ -14,6 +14,16 @@
  * kappa'' is that of W = ab over |a|; tau'' that of max(I,0) b minus that of max(-I,0) b. A chord errs by at
  * most (u - l)^2 / 8 times the second derivative. TOL_CURVATURE covers the rounding of all this.
  *
+ * Refinement. Let the whole be split at fraction m, D(x) the excess of a function over the whole's chord at fraction x,
+ * and d_L the left half's shift: D is at most the line from 0 to D(m) plus d_L times the half's own 4 y (1 - y), y = x/m,
+ * so that over the whole's w = 4 x (1 - x)
+ *
+ *     D / w <= [D(m) / m + 4 d_L (m - x) / m^2] / (4 (1 - x)),      0 < x <= m,
+ *
+ * a Moebius function of x, largest at an end: D(m) / (4 m) + d_L / m at 0, D(m) / w(m) at m. The right half mirrors
+ * it. The largest of the three numbers is a shift of the whole, and for a parabola the exact one. D(m) is a difference
+ * of node values that carry their allowance on one side, so it gets that of both.
+ *
  * Exponential families have x = c' and slope = 0, so that node sums suffice; the general family sums over all
  * c, with each (x - c0)^2 enclosed on its own: interval_general.c.
  */
@@ -159,8 +169,8 @@ static void fill_point(struct intervals *t, struct interval *v)
     }
 }
 
-const struct interval *brdffit_interval(struct intervals *t, uint32_t index, uint32_t low, uint32_t high,
-                                        double theta_low, double theta_high)
+struct interval *brdffit_interval(struct intervals *t, uint32_t index, uint32_t low, uint32_t high,
+                                  double theta_low, double theta_high)
 {
     struct interval *v = &t->interval[index];
     size_t K = t->moments->data->channels;
@@ -173,6 +183,7 @@ const struct interval *brdffit_interval(struct intervals *t, uint32_t index, uin
     v->high = brdffit_moments_node(t->moments, high, theta_high);
     v->low_index = low;
     v->high_index = high;
+    v->refined = 0;
     v->tau_shift = t->pool + 2 * K * index;
     v->tau_sup = v->tau_shift + K;
     if (v->low->h > 0.0 && v->low->u < v->high->u) {
@@ -181,6 +192,36 @@ const struct interval *brdffit_interval(struct intervals *t, uint32_t index, uin
         fill_point(t, v);
     }
     return v;
+}
+
+/* The shift of the whole from its halves; `middle`: D(m), with its rounding. */
+static double joined(double m, double middle, double left, double right)
+{
+    double rest = 1.0 - m, within = fmax(middle / (4.0 * m) + left / m, middle / (4.0 * rest) + right / rest);
+
+    return fmax(within, middle / (4.0 * m * rest));
+}
+
+void brdffit_interval_refine(struct intervals *t, struct interval *v, const struct interval *left,
+                             const struct interval *right)
+{
+    double m = (left->high->u - v->low->u) / (v->high->u - v->low->u), rest = 1.0 - m, shift;
+    double rounding = 4.0 * fmax(v->low->epsilon, fmax(v->high->epsilon, left->high->epsilon));
+    const struct node *low = v->low, *high = v->high, *middle = left->high;
+    size_t k;
+
+    /* m itself is rounded: its error times the rise along the chord is far below the rounding of the values. */
+    if (!(m >= 0.01 && m <= 0.99)) {
+        return;
+    }
+    shift = joined(m, rest * low->kappa + m * high->kappa - middle->kappa + rounding, left->kappa_shift,
+                   right->kappa_shift);
+    v->kappa_shift = fmin(v->kappa_shift, shift);
+    for (k = 0; k < t->moments->data->channels; k++) {
+        double above = middle->tau[k] - (rest * low->tau[k] + m * high->tau[k]) + rounding * t->moments->norm[k];
+
+        v->tau_shift[k] = fmin(v->tau_shift[k], joined(m, above, left->tau_shift[k], right->tau_shift[k]));
+    }
 }
 
 double brdffit_pair_shift(struct intervals *t, const struct interval *first, const struct interval *second,

@@ -19,6 +19,7 @@ struct interval {
     double root_m4;      /* sup sqrt(m4); infinity for general families */
     double *tau_shift;   /* K, signed: tau may exceed its chord by this much at most */
     double *tau_sup;     /* K */
+    int refined;         /* how often brdffit_interval_refine() has halved it */
 };
 
 struct intervals {
@@ -33,8 +34,12 @@ void brdffit_intervals_layout(struct intervals *intervals, struct arena *arena, 
 void brdffit_intervals_start(struct intervals *intervals, struct moments *moments);
 
 /* Interval `index` between two nodes of the axis, computed on first use. */
-const struct interval *brdffit_interval(struct intervals *intervals, uint32_t index, uint32_t low, uint32_t high,
-                                        double theta_low, double theta_high);
+struct interval *brdffit_interval(struct intervals *intervals, uint32_t index, uint32_t low, uint32_t high,
+                                  double theta_low, double theta_high);
+
+/* Tighten kappa_shift and every tau_shift by the two halves of the interval, which share the node in between. */
+void brdffit_interval_refine(struct intervals *intervals, struct interval *whole, const struct interval *left,
+                             const struct interval *right);
 
 /*
  * sup over the box first x second of the second derivative of mu by the variable of `first` (which = 0) or of

@@ -3,19 +3,10 @@
  * kernels_avx512.c, which differ only in the instruction set that they are compiled for; KERNELS names the table.
  * Layer 1. SPDX-License-Identifier: MIT
  */
-#include "kernels.h"
-#include "lanes.h"
-
-static void exponential_shape(const double *c, size_t n, double u, double *phi)
-{
-    lanes minus_u = lanes_set(-u);
-    size_t j;
-
-    for (j = 0; j < n; j += LANES) {
-        lanes_store(phi + j, lanes_exp(lanes_load(c + j) * minus_u));
-    }
-}
+#include "kernels_gains.h"
+#include "kernels_sums.h"
 
 const struct kernels KERNELS = {
-    exponential_shape,
+    exponential_shape, weigh,     central, functionals, pair,      gains_two, climb_two,
+    gains_one,         climb_one, dot,     magnitude,   subtract, scale,
 };

@@ -11,6 +11,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
 #include "kernel_exp.h"
 
 #ifndef __GNUC__
@@ -63,6 +67,32 @@ LANES_INLINE lanes lanes_min(lanes x, lanes y)
 LANES_INLINE lanes lanes_abs(lanes x)
 {
     return (lanes)((lanes_mask)x & INT64_MAX);
+}
+
+/* Correctly rounded, as each instruction set has it. */
+LANES_INLINE lanes lanes_sqrt(lanes x)
+{
+#if defined(__AVX512F__)
+    return (lanes)_mm512_sqrt_pd((__m512d)x);
+#else
+    double v[LANES];
+    size_t i = 0;
+
+    lanes_store(v, x);
+#if defined(__AVX__)
+    for (; i < LANES; i += 4) {
+        _mm256_storeu_pd(v + i, _mm256_sqrt_pd(_mm256_loadu_pd(v + i)));
+    }
+#elif defined(__SSE2__)
+    for (; i < LANES; i += 2) {
+        _mm_storeu_pd(v + i, _mm_sqrt_pd(_mm_loadu_pd(v + i)));
+    }
+#endif
+    for (; i < LANES; i++) {
+        v[i] = __builtin_sqrt(v[i]);
+    }
+    return lanes_load(v);
+#endif
 }
 
 /* The sum of the lanes. */

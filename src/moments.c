@@ -8,38 +8,6 @@
 
 #include "tolerance.h"
 
-static double array_total(const double *lane)
-{
-    return lanes_total(lanes_load(lane));
-}
-
-/* The sum of v[0] .. v[n - 1], n a multiple of LANES. */
-static double sum1(const double *v, size_t n)
-{
-    double lane[LANES] = {0.0};
-    size_t j, l;
-
-    for (j = 0; j < n; j += LANES) {
-        for (l = 0; l < LANES; l++) {
-            lane[l] += v[j + l];
-        }
-    }
-    return array_total(lane);
-}
-
-static double sum2(const double *u, const double *v, size_t n)
-{
-    double lane[LANES] = {0.0};
-    size_t j, l;
-
-    for (j = 0; j < n; j += LANES) {
-        for (l = 0; l < LANES; l++) {
-            lane[l] += u[j + l] * v[j + l];
-        }
-    }
-    return array_total(lane);
-}
-
 /* Doubles for lobe shapes: all of them where that is reasonable, else those of the first nodes. */
 static size_t shape_doubles(size_t stride, uint32_t capacity)
 {
@@ -64,13 +32,15 @@ void brdffit_moments_layout(struct moments *m, struct arena *arena, size_t count
     m->scratch = ARENA_DOUBLES(arena, stride > SIZE_MAX / 64 ? SIZE_MAX / 8 : 4 * stride);
 }
 
-void brdffit_moments_start(struct moments *m, const struct reduced *data, const struct family *family, int lobes)
+void brdffit_moments_start(struct moments *m, const struct reduced *data, const struct family *family,
+                           const struct kernels *kernels, int lobes)
 {
     double root = sqrt(data->aa);
     size_t k;
 
     m->data = data;
     m->family = family;
+    m->kernels = kernels;
     m->evaluated = 0;
     m->epsilon = TOL_UNIT * (2.0 * (TOL_MOMENT_BASE + (double)data->stride / LANES));
     m->exponent_epsilon = 4.0 * TOL_UNIT + 2.0 * data->snapped;
@@ -90,84 +60,45 @@ const double *brdffit_moments_shape(const struct moments *m, const struct node *
     if (node->phi) {
         return node->phi;
     }
-    m->family->shape(m->data->c, m->data->stride, node->u, scratch);
+    brdffit_family_shape(m->family, m->kernels, m->data->c, m->data->stride, node->u, scratch);
     return scratch;
 }
 
-/* x_j = -ell_j at the node: c' for exponential families. */
-static void slopes(const struct moments *m, double u, double *x)
+/* x_j = -ell_j at the node: c' for exponential families, else computed into scratch. */
+static const double *slopes(const struct moments *m, double u, double *scratch)
 {
     size_t j;
     double slope;
 
     if (m->family->exponential) {
-        memcpy(x, m->data->c, m->data->stride * sizeof *x);
-        return;
+        return m->data->c;
     }
     for (j = 0; j < m->data->stride; j++) {
-        m->family->slope(m->data->c[j], u, &x[j], &slope);
-        x[j] = -x[j];
+        m->family->slope(m->data->c[j], u, &scratch[j], &slope);
+        scratch[j] = -scratch[j];
     }
+    return scratch;
 }
 
-/* H, mean and central moments; leaves p = bb phi^2 in p and x - mean in x. */
-static void own_moments(const struct moments *m, struct node *node, const double *phi, double *p, double *x)
+/* H, mean and central moments. */
+static void own_moments(const struct moments *m, struct node *node, const double *phi, const double *x)
 {
     const double *bb = m->data->bb;
-    size_t n = m->data->stride, j;
-    double m2[LANES] = {0.0}, m3[LANES] = {0.0}, m4[LANES] = {0.0};
+    size_t n = m->data->stride;
+    double first, central[3];
 
-    for (j = 0; j < n; j++) {
-        p[j] = bb[j] * (phi[j] * phi[j]);
-    }
-    node->h = sum1(p, n);
+    node->h = m->kernels->weigh(bb, phi, x, n, &first);
     node->root = sqrt(node->h);
     if (!(node->h > 0.0)) {
         node->mean = 0.0;
         node->m2 = node->m3 = node->m4 = 0.0;
         return;
     }
-    node->mean = sum2(p, x, n) / node->h;
-    for (j = 0; j < n; j += LANES) {
-        size_t l;
-
-        for (l = 0; l < LANES; l++) {
-            double d = x[j + l] - node->mean, pd2 = p[j + l] * (d * d);
-
-            x[j + l] = d;
-            m2[l] += pd2;
-            m3[l] += pd2 * d;
-            m4[l] += pd2 * (d * d);
-        }
-    }
-    node->m2 = array_total(m2) / node->h;
-    node->m3 = array_total(m3) / node->h;
-    node->m4 = array_total(m4) / node->h;
-}
-
-/* Every functional at the node; x holds x - mean. */
-static void functionals(const struct moments *m, struct node *node, const double *phi, const double *x)
-{
-    const struct reduced *data = m->data;
-    size_t n = data->stride, f, j, l;
-
-    for (f = 0; f < data->functionals; f++) {
-        const double *w = data->linear + f * n;
-        double f0[LANES] = {0.0}, f1[LANES] = {0.0}, f2[LANES] = {0.0};
-
-        for (j = 0; j < n; j += LANES) {
-            for (l = 0; l < LANES; l++) {
-                double term = w[j + l] * phi[j + l], moment = term * x[j + l];
-
-                f0[l] += term;
-                f1[l] += moment;
-                f2[l] += moment * x[j + l];
-            }
-        }
-        node->functional[f].f0 = array_total(f0);
-        node->functional[f].f1 = array_total(f1);
-        node->functional[f].f2 = array_total(f2);
-    }
+    node->mean = first / node->h;
+    m->kernels->central(bb, phi, x, node->mean, n, central);
+    node->m2 = central[0] / node->h;
+    node->m3 = central[1] / node->h;
+    node->m4 = central[2] / node->h;
 }
 
 /* Allowance of the node's sums: the largest mean exponent among them decides (moments.h). */
@@ -208,7 +139,6 @@ const struct node *brdffit_moments_node(struct moments *m, uint32_t index, doubl
 {
     struct node *node = &m->node[index];
     size_t stride = m->data->stride;
-    double *p = m->scratch, *x = m->scratch + stride;
     double u[3];
 
     if (m->ready[index]) {
@@ -222,14 +152,14 @@ const struct node *brdffit_moments_node(struct moments *m, uint32_t index, doubl
     node->functional = m->functional_pool + index * m->data->functionals;
     node->phi = (index + (size_t)1) * stride <= m->phi_doubles ? m->phi_pool + index * stride : NULL;
     if (node->phi) {
-        m->family->shape(m->data->c, stride, node->u, node->phi);
+        brdffit_family_shape(m->family, m->kernels, m->data->c, stride, node->u, node->phi);
     }
     {
-        const double *phi = brdffit_moments_shape(m, node, m->scratch + 2 * stride);
+        const double *phi = brdffit_moments_shape(m, node, m->scratch);
+        const double *x = slopes(m, node->u, m->scratch + stride);
 
-        slopes(m, node->u, x);
-        own_moments(m, node, phi, p, x);
-        functionals(m, node, phi, x);
+        own_moments(m, node, phi, x);
+        m->kernels->functionals(m->data->linear, m->data->functionals, phi, x, node->mean, stride, node->functional);
     }
     projections(m, node);
     return node;
@@ -239,38 +169,19 @@ const struct node *brdffit_moments_node(struct moments *m, uint32_t index, doubl
 static void fill_pair(struct moments *m, struct pair *pair)
 {
     const struct reduced *data = m->data;
-    size_t n = data->stride, j, l;
     const struct node *p = &m->node[pair->first], *q = &m->node[pair->second];
     const double *phi = brdffit_moments_shape(m, p, m->scratch);
-    const double *psi = brdffit_moments_shape(m, q, m->scratch + n);
-    double *product = m->scratch + 2 * n;
-    double sum[LANES] = {0.0}, first[LANES] = {0.0}, second[LANES] = {0.0}, exponent;
+    const double *psi = brdffit_moments_shape(m, q, m->scratch + data->stride);
+    double sums[3], exponent;
 
-    for (j = 0; j < n; j += LANES) {
-        for (l = 0; l < LANES; l++) {
-            double term = data->bb[j + l] * (phi[j + l] * psi[j + l]);
-
-            product[j + l] = term;
-            sum[l] += term;
-            first[l] += term * data->c[j + l];
-        }
-    }
-    pair->value = array_total(sum);
-    pair->mean = 0.0;
-    pair->variance = 0.0;
+    m->kernels->pair(data->bb, phi, psi, data->c, data->stride, sums);
+    pair->value = sums[0];
+    pair->mean = sums[1];
+    pair->variance = sums[2];
     pair->mu = 0.0;
     if (!(pair->value > 0.0)) {
         return;
     }
-    pair->mean = array_total(first) / pair->value;
-    for (j = 0; j < n; j += LANES) {
-        for (l = 0; l < LANES; l++) {
-            double d = data->c[j + l] - pair->mean;
-
-            second[l] += product[j + l] * (d * d);
-        }
-    }
-    pair->variance = array_total(second) / pair->value;
     /* The nodes allow for their own roots, the last term for the exponents of the pair. */
     exponent = m->family->exponential ? pair->mean * (p->u + q->u) : 4.0;
     pair->mu = pair->value / (p->root * q->root) - fmax(p->epsilon, q->epsilon) - m->exponent_epsilon * exponent;

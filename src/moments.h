@@ -15,12 +15,8 @@
 
 #include "arena.h"
 #include "family.h"
+#include "kernels.h"
 #include "reduce.h"
-
-/* A functional of the lobe shape: f0 = sum W phi, and its first and second moment of x about node.mean. */
-struct functional {
-    double f0, f1, f2;
-};
 
 struct node {
     double u;
@@ -45,6 +41,7 @@ struct pair {
 struct moments {
     const struct reduced *data;
     const struct family *family;
+    const struct kernels *kernels;
     double epsilon;     /* rounding allowance of a sum, but for its exponents */
     double exponent_epsilon; /* relative error of an exponent */
     double *omega;      /* K: data along the normalised a, raised by epsilon |I_k| */
@@ -61,13 +58,13 @@ struct moments {
     double *scratch;    /* 4 x stride */
 };
 
-#define PAIR_CACHE 4096u
+#define PAIR_CACHE 1024u
 
 void brdffit_moments_layout(struct moments *moments, struct arena *arena, size_t count, size_t channels,
                             uint32_t node_capacity, int lobes);
 
 void brdffit_moments_start(struct moments *moments, const struct reduced *data, const struct family *family,
-                           int lobes);
+                           const struct kernels *kernels, int lobes);
 
 /* Node `index` at coordinate theta, computed on first use. */
 const struct node *brdffit_moments_node(struct moments *moments, uint32_t index, double theta);

@@ -15,61 +15,45 @@
 #include "tolerance.h"
 #include "vector.h"
 
-static void subtract(double *v, const double *u, double factor, size_t n)
-{
-    size_t i;
-
-    for (i = 0; i < n; i++) {
-        v[i] -= factor * u[i];
-    }
-}
-
 /* Remove the part of q_j along earlier q, twice; what remains, normalised, is q_j. */
 static void orthogonalise(struct nnls *nnls, int j)
 {
     double *q = nnls->q[j];
     double rest;
     int pass, i;
-    size_t k;
 
     for (pass = 0; pass < 2; pass++) {
         for (i = 0; i < j; i++) {
-            double part = vector_dot(nnls->q[i], q, nnls->rows);
+            double part = nnls->kernels->dot(nnls->q[i], q, nnls->rows);
 
-            subtract(q, nnls->q[i], part, nnls->rows);
+            nnls->kernels->subtract(q, nnls->q[i], 1.0, part, nnls->rows);
             nnls->r[i][j] += part;
         }
     }
-    rest = sqrt(vector_dot(q, q, nnls->rows));
+    rest = sqrt(nnls->kernels->dot(q, q, nnls->rows));
     if (!(rest > TOL_DEPENDENT)) {
         rest = 0.0;
     }
     nnls->r[j][j] = rest;
-    for (k = 0; k < nnls->rows; k++) {
-        q[k] = rest > 0.0 ? q[k] / rest : 0.0;
-    }
+    nnls->kernels->scale(q, q, rest > 0.0 ? 1.0 / rest : 0.0, nnls->rows);
 }
 
-void brdffit_nnls_factor(struct nnls *nnls, size_t rows, int columns, const double *const *column, double *q)
+void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_t rows, int columns,
+                         const double *const *column, double *q)
 {
     int i, j;
-    size_t k;
 
+    nnls->kernels = kernels;
     nnls->rows = rows;
     nnls->columns = columns;
     for (j = 0; j < columns; j++) {
-        double inverse;
-
         nnls->column[j] = column[j];
         nnls->q[j] = q + (size_t)j * rows;
-        nnls->scale[j] = power_of_two(vector_largest(column[j], rows));
-        inverse = 1.0 / nnls->scale[j];
-        for (k = 0; k < rows; k++) {
-            nnls->q[j][k] = column[j][k] * inverse;
-        }
-        nnls->norm[j] = sqrt(vector_dot(nnls->q[j], nnls->q[j], rows));
-        for (k = 0; k < rows && nnls->norm[j] > 0.0; k++) {
-            nnls->q[j][k] /= nnls->norm[j];
+        nnls->scale[j] = power_of_two(kernels->magnitude(column[j], rows));
+        kernels->scale(nnls->q[j], column[j], 1.0 / nnls->scale[j], rows);
+        nnls->norm[j] = sqrt(nnls->kernels->dot(nnls->q[j], nnls->q[j], rows));
+        if (nnls->norm[j] > 0.0) {
+            kernels->scale(nnls->q[j], nnls->q[j], 1.0 / nnls->norm[j], rows);
         }
         for (i = 0; i < NNLS_COLUMNS; i++) {
             nnls->r[i][j] = 0.0;
@@ -212,7 +196,7 @@ static void project(const struct nnls *nnls, const double *v, double *t)
     int j;
 
     for (j = 0; j < nnls->columns; j++) {
-        t[j] = vector_dot(nnls->q[j], v, nnls->rows);
+        t[j] = nnls->kernels->dot(nnls->q[j], v, nnls->rows);
     }
 }
 
@@ -220,23 +204,14 @@ static void project(const struct nnls *nnls, const double *v, double *t)
 static void residual_of(const struct nnls *nnls, const double *data, double data_scale, const double *unit,
                         double *residual)
 {
-    double inverse = 1.0 / data_scale;
-    size_t k;
     int j;
 
-    for (k = 0; k < nnls->rows; k++) {
-        residual[k] = data[k] * inverse;
-    }
+    nnls->kernels->scale(residual, data, 1.0 / data_scale, nnls->rows);
     for (j = 0; j < nnls->columns; j++) {
-        double factor, scale;
-
-        if (unit[j] == 0.0) {
-            continue;
-        }
-        factor = unit[j] / nnls->norm[j];
-        scale = 1.0 / nnls->scale[j];
-        for (k = 0; k < nnls->rows; k++) {
-            residual[k] -= factor * (nnls->column[j][k] * scale);
+        if (unit[j] != 0.0) {
+            /* Two factors: their product may overflow where the column is tiny. */
+            nnls->kernels->subtract(residual, nnls->column[j], 1.0 / nnls->scale[j], unit[j] / nnls->norm[j],
+                                    nnls->rows);
         }
     }
 }
@@ -251,7 +226,7 @@ static double kkt_residual(const struct nnls *nnls, const double *residual, unsi
         double slope = 0.0;
 
         if (nnls->norm[j] > 0.0) {
-            slope = vector_dot(nnls->column[j], residual, nnls->rows) / nnls->scale[j] / nnls->norm[j];
+            slope = nnls->kernels->dot(nnls->column[j], residual, nnls->rows) / nnls->scale[j] / nnls->norm[j];
         }
         worst = fmax(worst, support & (1u << j) ? fabs(slope) : slope);
     }
@@ -283,13 +258,13 @@ void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *res
     double t[NNLS_COLUMNS], data_norm;
     int j;
 
-    answer->data_scale = power_of_two(vector_largest(data, nnls->rows));
+    answer->data_scale = power_of_two(nnls->kernels->magnitude(data, nnls->rows));
     for (j = 0; j < NNLS_COLUMNS; j++) {
         answer->unit[j] = 0.0;
         answer->z[j] = 0.0;
     }
     residual_of(nnls, data, answer->data_scale, answer->unit, residual);
-    data_norm = sqrt(vector_dot(residual, residual, nnls->rows));
+    data_norm = sqrt(nnls->kernels->dot(residual, residual, nnls->rows));
     project(nnls, residual, t);
     answer->support = best_support(nnls, t, answer->unit, &best);
     if (answer->support) {
@@ -297,7 +272,7 @@ void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *res
         refine(nnls, &best, residual, answer->unit);
         residual_of(nnls, data, answer->data_scale, answer->unit, residual);
     }
-    answer->rss = vector_dot(residual, residual, nnls->rows);
+    answer->rss = nnls->kernels->dot(residual, residual, nnls->rows);
     answer->kkt = kkt_residual(nnls, residual, answer->support, data_norm);
     for (j = 0; j < nnls->columns; j++) {
         if (answer->unit[j] > 0.0) {

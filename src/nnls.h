@@ -14,10 +14,13 @@
 
 #include <stddef.h>
 
+#include "kernels.h"
+
 #define NNLS_COLUMNS 3
 
 /* Columns scaled to unit norm and factored as Q R; pointers belong to the caller. */
 struct nnls {
+    const struct kernels *kernels;
     size_t rows;
     int columns;
     const double *column[NNLS_COLUMNS];
@@ -37,7 +40,8 @@ struct nnls_answer {
 };
 
 /* Factor `columns` (1 to 3) columns of `rows` finite values; q: columns x rows doubles of the caller's. */
-void brdffit_nnls_factor(struct nnls *nnls, size_t rows, int columns, const double *const *column, double *q);
+void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_t rows, int columns,
+                         const double *const *column, double *q);
 
 /* min ||data - A z||, z >= 0. residual: rows doubles, receives (data - A z) / data_scale. */
 void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual,
@@ -46,16 +50,7 @@ void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *res
 /* R(t, M) for 2 columns with t = (p, q) and cosine kappa in [0, 1]. */
 double brdffit_nnls_gain2(double p, double q, double kappa);
 
-/* M of 3 columns (cosines 01, 02, 12, each in [0, 1]), prepared once for many t. */
-struct nnls_gram3 {
-    double cosine[3];
-    double pair[3];   /* 1 / (1 - cosine^2) */
-    double p12;       /* Schur complement after column 0, off-diagonal */
-    double p22;       /* its second diagonal entry */
-    double det;       /* its determinant; <= 0: no interior maximum of all three */
-};
-
-void brdffit_nnls_gram3(struct nnls_gram3 *gram, double c01, double c02, double c12);
-double brdffit_nnls_gain3(const struct nnls_gram3 *gram, double t0, double t1, double t2);
+/* The same for 3 columns; cosines 01, 02, 12, each in [0, 1]. */
+double brdffit_nnls_gain3(const double cosine[3], const double t[3]);
 
 #endif

@@ -150,7 +150,7 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
     }
 }
 
-size_t brdffit_workspace_size(size_t count, size_t channels, const brdffit_options *options)
+size_t brdffit_fit_workspace(size_t count, size_t channels, const brdffit_options *options)
 {
     brdffit_options defaults;
     struct arena arena;

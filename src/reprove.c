@@ -105,7 +105,7 @@ static void reprove(struct fit *f, const brdffit_options *o, struct search_rules
     reproof->unproven = reproof->proven ? 0.0 : fmax(0.0, 1.0 - r->proven / whole);
 }
 
-brdffit_status brdffit_verify_socp(const brdffit_samples *samples, const brdffit_options *options, double level,
+brdffit_status brdffit_reprove_run(const brdffit_samples *samples, const brdffit_options *options, double level,
                                    void *workspace, size_t workspace_size, brdffit_reproof *reproof,
                                    brdffit_error *error)
 {

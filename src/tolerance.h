@@ -56,8 +56,9 @@
  * TOL_MOMENT_BASE + M / 8 with a factor of 2 to spare. Inputs of the bound are inflated by this much.
  */
 #define TOL_MOMENT_BASE 100.0
-/* Evaluation of the restricted gain from given inputs (nnls.c), in units of u relative to |t|^2. */
-#define TOL_GAIN 64.0
+/* Evaluation of the restricted gain (gain.h), at most 64, and of the climb over a box (kernels_gains.h), in units of u
+ * relative to |t|^2. */
+#define TOL_GAIN 128.0
 /* Relative inflation of curvature bounds, whose own rounding is about 1e-13 at worst. */
 #define TOL_CURVATURE 1e-10
 
@@ -95,7 +96,14 @@
 /* The first nodes keep their lobe shape (M doubles each), up to this many doubles together. */
 #define LIMIT_SHAPE_DOUBLES ((size_t)16 << 20)
 
+/*
+ * An interval whose mean exponent changes by more than this is refined by its halves, or by its quarters
+ * (bound_moment.c): wide intervals have loose shifts, and many boxes share an interval.
+ */
+#define REFINE_ONCE 0.02
+#define REFINE_TWICE 0.3
+
 /* First partition of the axis: this many intervals, a power of two. */
-#define FIRST_INTERVALS 16
+#define FIRST_INTERVALS 8
 
 #endif

@@ -43,15 +43,17 @@ static void lobe_columns(struct varpro *v, int p, double theta, int derivatives)
     size_t r;
 
     v->family->variable(data->c_min, theta, u);
-    v->family->shape(data->c, data->stride, u[0], v->phi);
+    brdffit_family_shape(v->family, v->kernels, data->c, data->stride, u[0], v->phi);
     for (r = 0; r < data->rows; r++) {
         double value = data->row_b[r] * v->phi[data->row_c[r]];
 
         v->column[p][r] = value;
         if (derivatives) {
-            double ell, slope;
+            double ell = -data->c[data->row_c[r]], slope = 0.0;
 
-            v->family->slope(data->c[data->row_c[r]], u[0], &ell, &slope);
+            if (!v->family->exponential) {
+                v->family->slope(-ell, u[0], &ell, &slope);
+            }
             v->first[p][r] = value * (ell * u[1]);
             v->second[p][r] = value * ((ell * ell + slope) * (u[1] * u[1]) + ell * u[2]);
         }
@@ -75,7 +77,7 @@ static void fill_products(const struct varpro *v, struct products *s)
 
         s->norm[p] = v->nnls.norm[1 + p] * v->nnls.scale[1 + p];
         for (k = 0; k < v->nnls.columns; k++) {
-            along_q[k] = s->norm[p] > 0.0 ? vector_dot(v->nnls.q[k], v->first[p], n) / s->norm[p] : 0.0;
+            along_q[k] = s->norm[p] > 0.0 ? v->kernels->dot(v->nnls.q[k], v->first[p], n) / s->norm[p] : 0.0;
         }
         for (j = 0; j < v->nnls.columns; j++) {
             s->along[p][j] = 0.0;
@@ -87,7 +89,7 @@ static void fill_products(const struct varpro *v, struct products *s)
             double value = 0.0;
 
             if (s->norm[p] > 0.0 && s->norm[q] > 0.0) {
-                value = vector_dot(v->first[p], v->first[q], n) / s->norm[p] / s->norm[q];
+                value = v->kernels->dot(v->first[p], v->first[q], n) / s->norm[p] / s->norm[q];
             }
             s->dd[p][q] = s->dd[q][p] = value;
         }
@@ -146,8 +148,8 @@ static void add_channel(const struct varpro *v, const struct products *s, const 
     for (p = 0; p < v->lobes; p++) {
         double inverse = s->norm[p] > 0.0 ? 1.0 / s->norm[p] : 0.0;
 
-        dr[p] = vector_dot(v->first[p], v->residual, n) * inverse;
-        er[p] = vector_dot(v->second[p], v->residual, n) * inverse;
+        dr[p] = v->kernels->dot(v->first[p], v->residual, n) * inverse;
+        er[p] = v->kernels->dot(v->second[p], v->residual, n) * inverse;
         for (j = 0; j < v->nnls.columns; j++) {
             b[p][j] = answer->unit[1 + p] * s->along[p][j] - (j == 1 + p ? dr[p] : 0.0);
         }
@@ -183,7 +185,7 @@ void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int deriv
         value->hessian[p][0] = value->hessian[p][1] = 0.0;
     }
     column[0] = v->data->row_a;
-    brdffit_nnls_factor(&v->nnls, v->data->rows, 1 + v->lobes, column, v->q);
+    brdffit_nnls_factor(&v->nnls, v->kernels, v->data->rows, 1 + v->lobes, column, v->q);
     if (derivatives) {
         fill_products(v, &products);
     }

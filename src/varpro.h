@@ -14,6 +14,7 @@
 struct varpro {
     const struct reduced *data;
     const struct family *family;
+    const struct kernels *kernels;
     int lobes;
     double theta_low, theta_high; /* domain of a descent */
 

@@ -7,24 +7,6 @@
 #include <math.h>
 #include <stddef.h>
 
-/* u.v in four lanes of fixed order, so that its bits do not depend on the instruction set. */
-static inline double vector_dot(const double *u, const double *v, size_t n)
-{
-    double sum[4] = {0.0, 0.0, 0.0, 0.0};
-    size_t i = 0;
-
-    for (; i + 4 <= n; i += 4) {
-        sum[0] += u[i] * v[i];
-        sum[1] += u[i + 1] * v[i + 1];
-        sum[2] += u[i + 2] * v[i + 2];
-        sum[3] += u[i + 3] * v[i + 3];
-    }
-    for (; i < n; i++) {
-        sum[0] += u[i] * v[i];
-    }
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
-
 static inline double vector_largest(const double *v, size_t n)
 {
     double largest = 0.0;

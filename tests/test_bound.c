@@ -44,7 +44,7 @@ static double largest_epsilon(const struct fit *f)
 /* Attack one box with points: ends, the diagonal, the middle and random ones. */
 static long attack(const struct bound_case *c, struct fit *f, double range[2][2], uint64_t *s)
 {
-    struct box box = {0.0, 0, {0, 1}, 0};
+    struct box box = {INFINITY, 0, {0, 1}, 0}; /* unreachable: every bound is tried */
     struct point met;
     int same = range[0][0] == range[1][0] && range[0][1] == range[1][1], i, p;
     double met_objective;
@@ -56,7 +56,7 @@ static long attack(const struct bound_case *c, struct fit *f, double range[2][2]
     if (c->lobes == 1 || same) {
         box.interval[1] = 0;
     }
-    brdffit_bound_moment_start(&f->moment, &f->data, f->family, &f->axis, c->lobes);
+    brdffit_bound_moment_start(&f->moment, &f->data, f->family, f->varpro.kernels, &f->axis, c->lobes);
     met_objective = c->lobes == 1 ? brdffit_bound_moment_one(&f->moment, &box, &met)
                                   : brdffit_bound_moment_two(&f->moment, &box, &met);
     assert_true(box.bound >= 0.0 && box.bound <= f->data.total);

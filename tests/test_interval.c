@@ -87,6 +87,8 @@ struct sides {
     const struct interval *side[2];
     double theta[2][2];
     double mu_shift[2], mu_corner[4], mu_inf;
+    int refine;  /* by halves that meet at this part of the interval */
+    double part;
 };
 
 static void check_mu(const struct moments_case *m, const struct sides *s, const long double *f,
@@ -139,10 +141,21 @@ static void open_sides(struct moments_case *m, struct sides *s)
     struct bound_moment *engine = &m->fit.moment;
     uint32_t p, c;
 
-    brdffit_moments_start(&engine->moments, &m->fit.data, m->fit.family, 2);
+    brdffit_moments_start(&engine->moments, &m->fit.data, m->fit.family, m->fit.varpro.kernels, 2);
     brdffit_intervals_start(&engine->intervals, &engine->moments);
     for (p = 0; p < 2; p++) {
         s->side[p] = brdffit_interval(&engine->intervals, p, 2 * p, 2 * p + 1, s->theta[p][0], s->theta[p][1]);
+    }
+    for (p = 0; p < 2 && s->refine; p++) {
+        double middle = s->theta[p][0] + s->part * (s->theta[p][1] - s->theta[p][0]);
+        struct interval *whole = brdffit_interval(&engine->intervals, p, 2 * p, 2 * p + 1, s->theta[p][0], s->theta[p][1]);
+
+        if (s->theta[p][0] < middle && middle < s->theta[p][1] && whole->eighth > 0.0) {
+            brdffit_interval_refine(
+                &engine->intervals, whole,
+                brdffit_interval(&engine->intervals, 2 + 2 * p, 2 * p, 4 + p, s->theta[p][0], middle),
+                brdffit_interval(&engine->intervals, 3 + 2 * p, 4 + p, 2 * p + 1, middle, s->theta[p][1]));
+        }
     }
     for (p = 0; p < 2; p++) {
         s->mu_shift[p] = brdffit_pair_shift(&engine->intervals, s->side[0], s->side[1], (int)p);
@@ -189,7 +202,7 @@ static void test_enclosures(void **state)
     for (seed = 1; done < TRIALS; seed++) {
         struct brdffit_test_random random = {seed};
         struct moments_case m;
-        struct sides s;
+        struct sides s = {.refine = 0};
 
         mc_new(&m, seed);
         if (mc_without_lobes(&m)) {
@@ -198,6 +211,8 @@ static void test_enclosures(void **state)
         }
         for (i = 0; i < 8 && m.fit.theta_low < m.fit.theta_high; i++) {
             draw_sides(&m, s.theta, &random);
+            s.refine = i % 2;
+            s.part = brdffit_test_uniform(&random, 0.05, 0.95);
             attack(&m, &s, &random);
             done += 2 * POINTS;
         }
@@ -236,7 +251,7 @@ static void test_shifts_are_second_derivatives(void **state)
 
     (void)state;
     for (seed = 1; seed <= 300; seed++) {
-        struct sides s;
+        struct sides s = {.refine = 0};
         struct mc_exact e;
         long double part[2], norm = 0.0L;
         double middle;

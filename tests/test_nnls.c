@@ -144,7 +144,7 @@ static void check_case(const struct nnls_case *c)
     for (i = 0; i < c->rows; i++) {
         data2 += ((long double)c->data[i] / c->data_scale) * ((long double)c->data[i] / c->data_scale);
     }
-    brdffit_nnls_factor(&nnls, (size_t)c->rows, c->columns, column, q);
+    brdffit_nnls_factor(&nnls, brdffit_kernels(BRDFFIT_ISA_AUTO), (size_t)c->rows, c->columns, column, q);
     brdffit_nnls_solve(&nnls, c->data, residual, &a);
     mine = answer_rss(c, &nnls, &a);
     for (j = 0; j < c->columns; j++) {
@@ -194,7 +194,7 @@ static void test_known(void **state)
     struct nnls_answer answer;
 
     (void)state;
-    brdffit_nnls_factor(&nnls, 3, 2, column, q);
+    brdffit_nnls_factor(&nnls, brdffit_kernels(BRDFFIT_ISA_AUTO), 3, 2, column, q);
     brdffit_nnls_solve(&nnls, both, residual, &answer);
     assert_true(fabs(answer.z[0] - 3.0) < 1e-15 && fabs(answer.z[1] - 2.0) < 1e-15);
     assert_true(answer.rss < 1e-30);
@@ -226,7 +226,7 @@ static void test_scales(void **state)
                 a[i] *= sa;
                 g[i] *= sg;
             }
-            brdffit_nnls_factor(&nnls, 4, 2, column, q);
+            brdffit_nnls_factor(&nnls, brdffit_kernels(BRDFFIT_ISA_AUTO), 4, 2, column, q);
             brdffit_nnls_solve(&nnls, data, residual, &answer);
             assert_true(fabs(answer.z[0] * sa - 2.0) < 1e-14);
             assert_true(fabs(answer.z[1] * sg - 0.5) < 1e-14);

@@ -53,12 +53,16 @@ static double bound_of(struct fit *f, int lobes, const double range[4])
     for (i = 0; i < 2; i++) {
         f->axis.interval[i].low = (uint32_t)(2 * i);
         f->axis.interval[i].high = (uint32_t)(2 * i + 1);
+        f->axis.interval[i].child = 0;
     }
     for (i = 0; i < 4; i++) {
         f->axis.coordinate[i] = range[i];
     }
+    f->axis.intervals = 2;
+    f->axis.nodes = 4;
+    box.bound = INFINITY; /* unreachable: every bound is tried */
     box.interval[1] = lobes > 1 ? 1 : 0;
-    brdffit_bound_moment_start(&f->moment, &f->data, f->family, &f->axis, lobes);
+    brdffit_bound_moment_start(&f->moment, &f->data, f->family, f->varpro.kernels, &f->axis, lobes);
     if (lobes > 1) {
         (void)brdffit_bound_moment_two(&f->moment, &box, &met);
     } else {

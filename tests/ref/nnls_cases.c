@@ -21,7 +21,7 @@ static void write_case(const struct nnls_case *c)
     for (j = 0; j < c->columns; j++) {
         column[j] = c->column[j];
     }
-    brdffit_nnls_factor(&nnls, (size_t)c->rows, c->columns, column, q);
+    brdffit_nnls_factor(&nnls, brdffit_kernels(BRDFFIT_ISA_AUTO), (size_t)c->rows, c->columns, column, q);
     brdffit_nnls_solve(&nnls, c->data, residual, &a);
     record[n++] = c->rows;
     record[n++] = c->columns;

@@ -1,0 +1,267 @@
+/*
+ * Same bits in every floating-point environment of the caller: rounding modes, FTZ and DAZ, unmasked traps; and the
+ * caller's own environment is there again afterwards. SPDX-License-Identifier: MIT
+ */
+#include <fenv.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "environment.h"
+#include "support.h"
+
+/* ---- Environments ----------------------------------------------------------------------------------------- */
+
+#if defined(__SSE2__)
+/* MXCSR: rounding 0x6000, FTZ 0x8000, DAZ 0x0040, masks 0x1f80 (cleared: division by zero, overflow, underflow and
+ * inexact trap). */
+static const unsigned modes[] = {0x1f80, 0x3f80, 0x5f80, 0x7f80, 0x9f80, 0x1fc0, 0x9fc0, 0xffc0, 0x0080, 0xe0c0, 0x5fbf};
+
+static void set_mode(unsigned mode)
+{
+    __builtin_ia32_ldmxcsr(mode);
+}
+
+static unsigned mode_now(void)
+{
+    return __builtin_ia32_stmxcsr();
+}
+#else
+static const unsigned modes[] = {FE_TONEAREST,
+#ifdef FE_UPWARD
+                                 FE_UPWARD,
+#endif
+#ifdef FE_DOWNWARD
+                                 FE_DOWNWARD,
+#endif
+#ifdef FE_TOWARDZERO
+                                 FE_TOWARDZERO,
+#endif
+};
+
+static void set_mode(unsigned mode)
+{
+    (void)fesetround((int)mode);
+}
+
+static unsigned mode_now(void)
+{
+    return (unsigned)fegetround();
+}
+#endif
+
+#define MODES (sizeof modes / sizeof modes[0])
+
+static struct environment ours;
+
+/* Nothing of the test itself is computed between these two. */
+static void leave_tests(size_t mode)
+{
+    brdffit_environment_enter(&ours);
+    set_mode(modes[mode]);
+}
+
+static void back_to_tests(size_t mode)
+{
+    unsigned after = mode_now();
+
+    brdffit_environment_leave(&ours);
+    if (after != modes[mode]) {
+        fail_msg("environment %#x came back as %#x", modes[mode], after);
+    }
+}
+
+/* ---- What is compared ------------------------------------------------------------------------------------- */
+
+#define CHANNELS 3
+#define SAMPLES 84
+
+struct outcome {
+    brdffit_status fitted, inspected, evaluated, reproved;
+    brdffit_result result;
+    brdffit_reproof reproof;
+    double x[CHANNELS], y[CHANNELS * BRDFFIT_MAX_LOBES], scale[CHANNELS], rms[CHANNELS], table[SAMPLES * CHANNELS];
+    size_t used, skipped[BRDFFIT_SKIP_COUNT], workspace;
+};
+
+struct problem {
+    struct brdffit_test_data data;
+    brdffit_options options;
+    void *workspace;
+    size_t size;
+};
+
+static void run(const struct problem *p, size_t mode, double level, struct outcome *out)
+{
+    size_t lobes = (size_t)p->options.lobes;
+
+    memset(out, 0, sizeof *out);
+    leave_tests(mode);
+    out->workspace = brdffit_workspace_size(SAMPLES, CHANNELS, &p->options);
+    out->inspected = brdffit_inspect(&p->data.samples, &p->options, &out->used, out->skipped, NULL);
+    out->fitted = brdffit_fit(&p->data.samples, &p->options, p->workspace, p->size, &out->result, NULL);
+    out->evaluated = brdffit_eval(&out->result.model, &p->data.samples, out->table, NULL);
+    back_to_tests(mode);
+    if (out->fitted != BRDFFIT_OK) {
+        fail_msg("environment %#x: the fit fails", modes[mode]);
+    }
+    memcpy(out->x, out->result.model.x, sizeof out->x);
+    memcpy(out->y, out->result.model.y, CHANNELS * lobes * sizeof(double));
+    memcpy(out->scale, out->result.channel_scale, sizeof out->scale);
+    memcpy(out->rms, out->result.rms, sizeof out->rms);
+    out->result.model.x = out->result.model.y = out->result.channel_scale = out->result.rms = NULL;
+    if (level > 0.0) {
+        leave_tests(mode);
+        out->reproved = brdffit_verify_socp(&p->data.samples, &p->options, level, p->workspace, p->size, &out->reproof,
+                                            NULL);
+        back_to_tests(mode);
+    }
+}
+
+static void compare(struct problem *p, int reprove)
+{
+    struct outcome *first = malloc(sizeof *first), *other = malloc(sizeof *other);
+    brdffit_options larger = p->options;
+    size_t mode;
+    double level = 0.0;
+
+    assert_non_null(first);
+    assert_non_null(other);
+    larger.engine = reprove ? BRDFFIT_ENGINE_SOCP : larger.engine;
+    p->size = brdffit_workspace_size(SAMPLES, CHANNELS, &larger);
+    if (p->size < brdffit_workspace_size(SAMPLES, CHANNELS, &p->options)) {
+        p->size = brdffit_workspace_size(SAMPLES, CHANNELS, &p->options);
+    }
+    p->workspace = malloc(p->size);
+    assert_non_null(p->workspace);
+    run(p, 0, 0.0, first);
+    if (reprove) {
+        level = 0.5 * first->result.lower_bound;
+        run(p, 0, level, first);
+        assert_int_equal(first->reproved, BRDFFIT_OK);
+        assert_true(first->reproof.proven);
+    }
+    for (mode = 0; mode < MODES; mode++) {
+        run(p, mode, level, other);
+        if (memcmp(first, other, sizeof *first)) {
+            brdffit_test_print(&p->data.samples, &p->options);
+            fail_msg("environment %#x: other bits: E^2 %a, not %a; bound %a, not %a; boxes %zu, not %zu", modes[mode],
+                     other->result.e2, first->result.e2, other->result.lower_bound, first->result.lower_bound,
+                     other->result.boxes, first->result.boxes);
+        }
+    }
+    free(p->workspace);
+    free(first);
+    free(other);
+    brdffit_test_data_free(&p->data);
+}
+
+static struct problem problem(int lobes, brdffit_distribution distribution, double noise, double factor)
+{
+    struct brdffit_test_spec spec = brdffit_test_spec_default();
+    struct problem p;
+    size_t i;
+
+    spec.noise = noise;
+    spec.distribution = distribution;
+    spec.form = BRDFFIT_FORM_DIRECTIONS;
+    brdffit_test_data_new(&spec, &p.data);
+    assert_int_equal(p.data.samples.count, SAMPLES);
+    assert_int_equal(p.data.samples.channels, CHANNELS);
+    for (i = 0; i < SAMPLES * CHANNELS; i++) {
+        p.data.values[i] *= factor;
+    }
+    brdffit_options_init(&p.options);
+    p.options.lobes = lobes;
+    p.options.distribution = distribution;
+    return p;
+}
+
+/* ---- Tests ------------------------------------------------------------------------------------------------ */
+
+static void test_fits(void **state)
+{
+    static const brdffit_distribution some[] = {BRDFFIT_BECKMANN, BRDFFIT_GGX, BRDFFIT_LAFORTUNE};
+    size_t d;
+    int lobes;
+
+    (void)state;
+    for (d = 0; d < sizeof some / sizeof some[0]; d++) {
+        for (lobes = 1; lobes <= 2; lobes++) {
+            struct problem p = problem(lobes, some[d], 0.02, 1.0);
+
+            compare(&p, 0);
+        }
+    }
+}
+
+/* Values that are subnormal beside larger ones, and data whose squares are: both are data under DAZ and FTZ too. */
+static void test_subnormals(void **state)
+{
+    static const double factors[] = {1e-300, 1e-155, 1e100};
+    size_t f, i;
+
+    (void)state;
+    for (f = 0; f < sizeof factors / sizeof factors[0]; f++) {
+        struct problem p = problem(1, BRDFFIT_BECKMANN, 0.02, factors[f]);
+
+        for (i = 0; i < SAMPLES; i += 3) {
+            p.data.values[CHANNELS * i] = (double)i * 4.9406564584124654e-324;
+        }
+        p.options.absolute_gap = 1e-310; /* a subnormal option */
+        compare(&p, 0);
+    }
+}
+
+/* An option that is refused or not must not depend on DAZ. */
+static void test_subnormal_option(void **state)
+{
+    brdffit_options options;
+    size_t mode;
+
+    (void)state;
+    brdffit_options_init(&options);
+    options.relative_gap = 1e-310; /* > 0 */
+    for (mode = 0; mode < MODES; mode++) {
+        size_t size;
+
+        leave_tests(mode);
+        size = brdffit_workspace_size(SAMPLES, CHANNELS, &options);
+        back_to_tests(mode);
+        assert_true(size > 0);
+    }
+}
+
+#ifndef BRDFFIT_NO_ECOS
+static void test_norms_and_cones(void **state)
+{
+    struct problem p = problem(1, BRDFFIT_BECKMANN, 0.02, 1.0);
+
+    (void)state;
+    p.options.norm = BRDFFIT_NORM_L1;
+    compare(&p, 0);
+    p = problem(1, BRDFFIT_BECKMANN, 0.02, 1.0);
+    p.options.engine = BRDFFIT_ENGINE_SOCP;
+    p.options.relative_gap = 0.05;
+    compare(&p, 1);
+}
+#endif
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_fits),
+        cmocka_unit_test(test_subnormals),
+        cmocka_unit_test(test_subnormal_option),
+#ifndef BRDFFIT_NO_ECOS
+        cmocka_unit_test(test_norms_and_cones),
+#endif
+    };
+
+    return cmocka_run_group_tests_name("floating-point environment", tests, NULL, NULL);
+}
