@@ -18,12 +18,17 @@ CURVES_REDUCED := $(OBJ)/tools/bench/curves_reduced.o $(OBJ)/tools/bench/curves_
 
 .PHONY: bench bench-programs
 
-bench-programs: $(BUILD)/curves $(BUILD)/libcurves_reduced.so $(BUILD)/families $(BUILD)/scaling $(BENCH_PROGRAMS) \
-    $(BUILD)/brdffit
+bench-programs: $(BUILD)/curves $(BUILD)/libcurves_reduced.so $(BUILD)/families $(BUILD)/scaling $(BUILD)/kernel \
+    $(BENCH_PROGRAMS) $(BUILD)/brdffit
 
 $(BUILD)/families $(BUILD)/scaling: $(BUILD)/%: $(OBJ)/tools/bench/%.o $(OBJ)/tools/goniometer/random.o $(STATIC) \
     $(BUILD)/link.flags
 	$(call say,LINK,$@)$(LINK) -o $@ $< $(OBJ)/tools/goniometer/random.o $(STATIC) -lm
+
+# The one program that looks into the library.
+$(OBJ)/tools/bench/kernel.o: CPPFLAGS += -Isrc
+$(BUILD)/kernel: $(OBJ)/tools/bench/kernel.o $(STATIC) $(BUILD)/link.flags
+	$(call say,LINK,$@)$(LINK) -o $@ $< $(STATIC) -lm
 
 # 1 or 0; installed by this rule alone.
 $(OBJ)/bench.nlopt: FORCE
@@ -66,5 +71,8 @@ bench: bench-programs
 
 clean: clean-bench
 clean-bench:
-	rm -f $(BUILD)/curves $(BUILD)/families $(BUILD)/scaling $(BUILD)/libcurves_reduced.so
+	rm -f $(BUILD)/curves $(BUILD)/families $(BUILD)/scaling $(BUILD)/kernel $(BUILD)/libcurves_reduced.so
 .PHONY: clean-bench
+
+# These need nothing but the library, and tests run them.
+programs: $(BUILD)/families $(BUILD)/scaling

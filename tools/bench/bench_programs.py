@@ -1,7 +1,6 @@
 """The programs that `make bench` runs, and the cache of the peers' rows. SPDX-License-Identifier: MIT"""
 import csv
 import hashlib
-import os
 import pathlib
 import re
 import shutil
@@ -34,15 +33,6 @@ def run(command, accepted=(0,)):
 
 def table(text):
     return list(csv.DictReader(text.splitlines()))
-
-
-def peak_memory(command):
-    """Peak resident bytes of a program as a whole (getrusage of that child alone)."""
-    with open(os.devnull, "w", encoding="utf-8") as nothing:
-        child = subprocess.Popen([str(part) for part in command], stdout=nothing, stderr=nothing)
-        _, status, usage = os.wait4(child.pid, 0)
-        child.returncode = status
-    return usage.ru_maxrss * 1024
 
 
 def csv_files(folder):
@@ -126,30 +116,45 @@ def source_key(programs, settings):
     """Changes whenever a peer's program, its version or its settings do."""
     sources = sorted(p for p in HERE.iterdir() if re.match(r"(curves|peers)_.*\.(c|h|cc)$|scipy_peers\.py$", p.name)
                      and p.name not in ("curves_engine.c", "curves_main.c"))
-    return digest_of(sources, [programs.listing, *map(str, settings)])
+    versions = [f"{name} {version}" for name, version in sorted(programs.versions().items())]
+    return digest_of(sources, [*versions, *map(str, settings)])
 
 
 # ---- Instructions, counted by callgrind ---------------------------------------------------------------------------------
 
 
-def callgrind(programs, arguments, options=()):
-    """{function: inclusive instructions} of a program; None where valgrind is not installed."""
+NODE = "brdffit_moments_node"  # inclusive: all that one roughness costs
+BOX = {1: "brdffit_bound_moment_one", 2: "brdffit_bound_moment_two"}  # inclusive, nodes too
+
+
+def count_instructions(programs, lobes, files):
+    """Instructions per node, per box without its nodes, and per fit; None where valgrind is not installed."""
     if not shutil.which("valgrind") or not shutil.which("callgrind_annotate"):
         return None
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "callgrind.out"
-        run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", *options, *arguments])
-        text = run(["callgrind_annotate", "--inclusive=yes", "--threshold=100", out])
-    return parse_annotation(text)
+        text = run(["valgrind", "--quiet", "--tool=callgrind", f"--callgrind-out-file={out}", programs.build / "bench_fit",
+                    "--quiet", "--repeat", 1, "--lobes", lobes, "--brute-step", "0,0", *files])
+        counts = parse_annotation(run(["callgrind_annotate", "--inclusive=yes", "--threshold=100", out]))
+    return instructions_of(text, counts, lobes, len(files))
+
+
+def instructions_of(text, counts, lobes, files):
+    """From what bench_fit said and callgrind counted; None when a function has another name or was inlined."""
+    boxes, nodes = (int(n) for n in re.search(r"(\d+) boxes, (\d+) nodes", text).groups())
+    if NODE not in counts or BOX[lobes] not in counts:
+        return None
+    inside = min(counts[NODE], counts[BOX[lobes]])
+    return {"node": counts[NODE] / nodes, "box": (counts[BOX[lobes]] - inside) / boxes,
+            "fit": counts.get("brdffit_fit", 0) / files, "boxes": boxes / files, "nodes": nodes / files}
 
 
 def parse_annotation(text):
-    """Lines like `12,345 (67.8%)  file.c:function [object]`; the total is under "PROGRAM TOTALS"."""
+    """{function: largest count} of lines like `12,345 (67.8%)  file.c:function [object]`, recursion marks dropped."""
     found = {}
     for line in text.splitlines():
-        match = re.match(r"\s*([\d,]+)\s+(?:\([^)]*\)\s+)?(.*)$", line)
+        match = re.match(r"\s*([\d,]+)\s+(?:\([^)]*\)\s+)?(\S.*)$", line)
         if match:
-            count, name = int(match[1].replace(",", "")), re.sub(r"\s*\[[^\]]*\]$", "", match[2]).strip()
-            name = name.rsplit(":", 1)[-1].split("'")[0].strip()
-            found[name] = max(found.get(name, 0), count)
+            name = re.sub(r"\s*\[[^\]]*\]$", "", match[2]).strip().rsplit(":", 1)[-1].split("'")[0]
+            found[name] = max(found.get(name, 0), int(match[1].replace(",", "")))
     return found

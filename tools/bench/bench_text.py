@@ -1,4 +1,5 @@
 """The report of `make bench` as Markdown, and the table that it prints. SPDX-License-Identifier: MIT"""
+import math
 import os
 
 import bench_arithmetic as a
@@ -30,10 +31,10 @@ def table(header, rows):
 
 def knob(method, value):
     kind = KNOBS[method]
-    if kind in ("gap",):
+    if kind == "gap":
         return f"gap {value:.0e}".replace("e-0", "e-")
     if kind in ("step", "box width"):
-        power = round(-__import__("math").log2(value))
+        power = round(-math.log2(value))
         return f"{kind} 2^-{power}"
     return f"{value:,.0f} {kind}"
 
@@ -112,7 +113,17 @@ def targets(b):
 
 
 def kernel_targets(b):
-    return [[what, "–", reached, "–"] for what, reached in getattr(b, "kernel_rows", [])]
+    rows = []
+    for lobes, found in b.instructions.items():
+        if found:
+            rows.append([f"instructions, {lobes} lobe{'s' * (lobes > 1)}", "–", f"{found['node']:,.0f} a node, {found['box']:,.0f} a box, "
+                         f"{found['fit']:,.0f} a fit", "–"])
+    best = [row for row in b.peak if row["distinct_c"] == "32"]
+    if best:
+        row = best[-1]
+        rows.append(["node kernel's part of the machine's peak (28 distinct c)", "–",
+                     f"{100 * float(row['fraction']):.0f} % with {row['isa']}", "–"])
+    return rows
 
 
 # ---- Curves ------------------------------------------------------------------------------------------------------------
@@ -262,8 +273,22 @@ def section(b):
 
 
 def kernel_section(b):
-    rows = getattr(b, "kernel_rows", [])
-    return ["### Kernels", "", *(f"- {what}: {reached}" for what, reached in rows), "", *getattr(b, "kernel_notes", []), ""] if rows else []
+    lines = ["### Kernels", ""]
+    if b.peak:
+        rows = [[row["isa"], row["distinct_c"], seconds(float(row["node_seconds"])), f"{float(row['node_flops']) / 1e9:.3g}",
+                 f"{float(row['peak_flops']) / 1e9:.3g}", f"{100 * float(row['fraction']):.0f} %"] for row in b.peak]
+        lines += ["The node kernel (three channels) beside a loop of independent multiplications and additions; no FMA in either. "
+                  "Operations are counted from the source (`tools/bench/kernel.c`).", "",
+                  table(["instruction set", "distinct c (padded)", "a node", "Gflop/s", "peak Gflop/s", "part of it"], rows), ""]
+    rows = [[lobes, f"{f['node']:,.0f}", f"{f['box']:,.0f}", f"{f['fit']:,.0f}", f"{f['nodes']:.0f}", f"{f['boxes']:.0f}"]
+            for lobes, f in b.instructions.items() if f]
+    if rows:
+        lines += [f"Instructions by callgrind (which knows no AVX-512, so that the fit runs its AVX2 code), mean of five files of "
+                  f"{main_set(b)} at gap 1e-3; a box without its nodes:", "",
+                  table(["lobes", "a node", "a box", "a fit", "nodes", "boxes"], rows), ""]
+    else:
+        lines += ["valgrind was not there: instructions were not counted.", ""]
+    return lines
 
 
 def scipy_version():

@@ -102,8 +102,8 @@ class Bench:
             for channels in (1, 2, 3, 4, 7, 10, 16, 31):
                 self.by_k.append(self.scaling(channels=channels, lobes=lobes, repeat=9))
         file = self.sets[0][1][0]
-        self.memory = {lobes: p.peak_memory([self.programs.build / "brdffit", "fit", "--quiet", "--lobes", lobes, file])
-                       for lobes in (1, 2)}
+        self.memory = {lobes: 1024 * int(p.run([self.programs.build / "scaling", "--peak", self.programs.build / "brdffit", "fit",
+                                                "--lobes", lobes, file])) for lobes in (1, 2)}
 
     def against_paper(self):
         """The paper's bound to the gaps of engine moment, on one file in ten."""
@@ -133,15 +133,9 @@ class Bench:
         """The machine's peak and the node kernel's part of it; instructions of nodes and boxes."""
         program = self.programs.build / "kernel"
         self.peak = p.table(p.run([program])) if program.exists() else []
-        file = self.sets[0][1][0]
-        self.instructions = {}
-        for lobes in (1, 2):
-            counts = p.callgrind(self.programs, [self.programs.build / "curves", "--methods", "instructions", "--lobes",
-                                                 lobes, "--repeat", "1", file], ["--collect-atstart=yes"])
-            if counts:
-                self.instructions[lobes] = counts
-        self.instruction_rows = {row["lobes"]: row for row in
-                                 self.programs.curves(self.sets[0][0], file, "instructions", ["--repeat", "1"])}
+        files = self.sets[0][1]
+        some = files[:: max(1, len(files) // 5)][:5]
+        self.instructions = {lobes: p.count_instructions(self.programs, lobes, some) for lobes in (1, 2)}
 
 
 def machine():

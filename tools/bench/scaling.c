@@ -4,15 +4,23 @@
  *     scaling [--samples N] [--channels K] [--lobes P] [--gap G] [--repeat R]
  *
  * The samples are two Beckmann lobes under random directions with 1 % noise, as coefficients, every c distinct: the
- * worst case of the reduction. One setting a process, so that the peak is that setting's. SPDX-License-Identifier: MIT
+ * worst case of the reduction. One setting a process, so that the peak is that setting's.
+ *
+ *     scaling --peak PROGRAM [ARGUMENT...]
+ *
+ * Runs a program without its output and prints its peak memory in KiB. A process inherits the peak of the one that
+ * started it (Linux keeps it over exec), so that only a small parent like this one can tell. SPDX-License-Identifier: MIT
  */
-#define _POSIX_C_SOURCE 200809L
+#define _DEFAULT_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/types.h>
+#include <sys/wait.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "../goniometer/random.h"
 #include "brdffit.h"
@@ -152,17 +160,57 @@ static int read_value(struct settings *s, const char *name, const char *value)
            s->repeat <= MOST_REPEATS;
 }
 
+/* 0 when the program was run and ended well. */
+static int print_peak(char **command)
+{
+    struct rusage usage;
+    pid_t child = fork();
+    int status = -1;
+
+    if (child == 0) {
+        if (freopen("/dev/null", "w", stdout) && freopen("/dev/null", "w", stderr)) {
+            execv(command[0], command);
+        }
+        _exit(127);
+    }
+    if (child < 0 || wait4(child, &status, 0, &usage) != child || status != 0) {
+        fprintf(stderr, "scaling: %s failed\n", command[0]);
+        return 1;
+    }
+    printf("%ld\n", usage.ru_maxrss);
+    return 0;
+}
+
+/* In a child, whose peak begins with the little that this process has. */
+static int run_apart(const struct settings *s)
+{
+    pid_t child = fork();
+    int status = 1;
+
+    if (child == 0) {
+        int good = run(s);
+
+        fflush(stdout);
+        _exit(good ? 0 : 1);
+    }
+    return child > 0 && waitpid(child, &status, 0) == child && status == 0;
+}
+
 int main(int argc, char **argv)
 {
     struct settings s = {84, 3, 1, 5, 1e-3};
     int i = 1;
 
+    if (argc > 2 && strcmp(argv[1], "--peak") == 0) {
+        return print_peak(argv + 2);
+    }
     while (i + 1 < argc && read_value(&s, argv[i], argv[i + 1])) {
         i += 2;
     }
     if (i != argc) {
-        fprintf(stderr, "usage: scaling [--samples N] [--channels K] [--lobes P] [--gap G] [--repeat R]\n");
+        fprintf(stderr, "usage: scaling [--samples N] [--channels K] [--lobes P] [--gap G] [--repeat R]\n"
+                        "       scaling --peak PROGRAM [ARGUMENT...]\n");
         return 2;
     }
-    return run(&s) ? 0 : 1;
+    return run_apart(&s) ? 0 : 1;
 }
