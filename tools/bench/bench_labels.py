@@ -44,5 +44,5 @@ SETTINGS = [
     "- Brute force in double: lobes computed once, pairs screened 64 at a time and solved only when they could win.",
 ]
 
-PEERS = ("Rows of the peers come from a cache that knows their sources, settings and data; the engines, and ten levmar starts of each "
+PEERS = ("Rows of the peers come from a cache that knows their sources, settings and data; the engines, and five levmar starts of each "
          "kind beside them for the ratios, are measured in every run, file by file. `FRESH=1` measures all.")

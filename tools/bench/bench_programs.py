@@ -78,7 +78,7 @@ class Programs:
         names = [name for name, _ in chosen]
         if len(set(names)) < len(names):
             raise Failure(f"two data sets have one name: {', '.join(names)}")
-        return [(name, files[:: max(1, len(files) // 3)][:3] if quick else files) for name, files in chosen]
+        return [(name, files[:: max(1, len(files) // 2)][:2] if quick else files) for name, files in chosen]
 
     # ---- Rows of curves ------------------------------------------------------------------------------------------------
 
