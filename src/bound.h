@@ -19,6 +19,10 @@ struct engine {
      */
     double (*bound)(void *self, struct box *box, struct point *met);
 
+    /* NULL, or: the best of a few points of the first partition, so that the search starts with an incumbent; returns its
+     * (approximate) objective. */
+    double (*start)(void *self, struct point *met);
+
     /* Improve a point by descent inside the domain; returns the exact objective of what *point becomes. */
     double (*try_point)(void *self, struct point *point);
 

@@ -22,6 +22,7 @@
 
 #include "nnls.h"
 #include "tolerance.h"
+#include "vector.h"
 
 void brdffit_bound_moment_layout(struct bound_moment *e, struct arena *arena, size_t count, size_t channels,
                                  uint32_t node_capacity, int lobes)
@@ -63,12 +64,13 @@ static struct interval *refined_side(struct bound_moment *e, uint32_t index, int
     return v;
 }
 
-const struct interval *brdffit_bound_moment_side(struct bound_moment *e, uint32_t index)
+const struct interval *brdffit_bound_moment_side(struct bound_moment *e, uint32_t index, int depth)
 {
     struct interval *v = plain_side(e, index);
     double change = v->low->mean * (v->high->u - v->low->u);
+    int useful = change > REFINE_TWICE ? 2 : change > REFINE_ONCE ? 1 : 0;
 
-    return change > REFINE_TWICE ? refined_side(e, index, 2) : change > REFINE_ONCE ? refined_side(e, index, 1) : v;
+    return refined_side(e, index, useful < depth ? useful : depth);
 }
 
 double brdffit_bound_moment_objective(const struct bound_moment *e, double gain)
@@ -114,37 +116,82 @@ static int finite_shifts(const struct bound_moment *e, const struct interval *v)
     return finite;
 }
 
+static void open_one(const struct bound_moment *e, const struct interval *v, struct gains_one *in)
+{
+    in->channels = e->moments.data->channels;
+    in->omega = e->moments.omega;
+    in->tau[0] = v->low->tau;
+    in->tau[1] = v->high->tau;
+    in->shift = v->tau_shift;
+    in->cosine[0] = v->low->kappa;
+    in->cosine[1] = v->high->kappa;
+    in->fall = v->kappa_shift;
+}
+
+/* The bound of one interval by its shifts; `gain`: of its ends, as they are. */
+static double vertex_one(const struct bound_moment *e, const struct interval *v, double gain[4])
+{
+    const struct kernels *kernels = e->moments.kernels;
+    struct gains_one in;
+    double safe[4];
+
+    open_one(e, v, &in);
+    kernels->gains_one(&in, gain);
+    if (!finite_shifts(e, v)) {
+        return 0.0;
+    }
+    if (smaller(in.cosine[0], in.cosine[1]) - larger(in.fall, 0.0) >= 0.0) {
+        return brdffit_bound_moment_objective(e, kernels->climb_one(gain));
+    }
+    in.cosine[0] = in.cosine[1] = v->kappa_inf;
+    in.fall = 0.0;
+    kernels->gains_one(&in, safe);
+    return brdffit_bound_moment_objective(e, kernels->climb_one(safe));
+}
+
+/* Refined step by step, as long as the box stays open: its halves are needed then anyway. */
 double brdffit_bound_moment_one(void *self, struct box *box, struct point *met)
 {
     struct bound_moment *e = self;
-    const struct interval *v = brdffit_bound_moment_side(e, box->interval[0]);
-    struct gains_one in = {.channels = e->moments.data->channels,
-                           .omega = e->moments.omega,
-                           .tau = {v->low->tau, v->high->tau},
-                           .shift = v->tau_shift,
-                           .cosine = {v->low->kappa, v->high->kappa},
-                           .fall = v->kappa_shift};
     double cutoff = box->bound, best = INFINITY, gain[4];
-    int i;
+    const struct interval *v = brdffit_bound_moment_side(e, box->interval[0], 0);
+    int i, depth;
 
     box->split = 0;
-    e->moments.kernels->gains_one(&in, gain);
+    box->bound = vertex_one(e, v, gain);
+    for (depth = 1; depth <= 2 && !(box->bound >= cutoff); depth++) {
+        v = brdffit_bound_moment_side(e, box->interval[0], depth);
+        if (v->refined == depth) {
+            box->bound = larger(box->bound, vertex_one(e, v, gain));
+        }
+    }
     for (i = 0; i < 2; i++) {
         double theta = e->axis->coordinate[i ? v->high_index : v->low_index];
 
         brdffit_bound_moment_meet(e, gain[i], (double[2]){theta, theta}, &best, met);
     }
-    box->bound = 0.0;
-    if (finite_shifts(e, v)) {
-        if (!(fmin(in.cosine[0], in.cosine[1]) - fmax(in.fall, 0.0) >= 0.0)) {
-            in.cosine[0] = in.cosine[1] = v->kappa_inf;
-            in.fall = 0.0;
-            e->moments.kernels->gains_one(&in, gain);
-        }
-        box->bound = brdffit_bound_moment_objective(e, e->moments.kernels->climb_one(gain));
-    }
     if (!(box->bound >= cutoff)) {
-        box->bound = fmax(box->bound, brdffit_bound_moment_objective(e, monotone_one(e, v)));
+        box->bound = larger(box->bound, brdffit_bound_moment_objective(e, monotone_one(e, v)));
+    }
+    return best;
+}
+
+double brdffit_bound_moment_start_one(void *self, struct point *met)
+{
+    struct bound_moment *e = self;
+    double best = INFINITY;
+    uint32_t i;
+
+    for (i = 0; i <= e->axis->first; i++) {
+        const double theta[2] = {e->axis->coordinate[i], e->axis->coordinate[i]};
+        const struct node *node = brdffit_moments_node(&e->moments, i, theta[0]);
+        double sum = 0.0;
+        size_t k;
+
+        for (k = 0; k < e->moments.data->channels; k++) {
+            sum += brdffit_nnls_gain2(e->moments.omega[k], node->tau[k], larger(node->kappa, 0.0));
+        }
+        brdffit_bound_moment_meet(e, sum, theta, &best, met);
     }
     return best;
 }

@@ -21,8 +21,8 @@ void brdffit_bound_moment_start(struct bound_moment *engine, const struct reduce
                                 const struct family *family, const struct kernels *kernels, struct axis *axis,
                                 int lobes);
 
-/* What is known of one interval of the axis, refined where that pays. */
-const struct interval *brdffit_bound_moment_side(struct bound_moment *engine, uint32_t index);
+/* What is known of one interval of the axis, refined by its halves, `depth` levels of them at most, where that pays. */
+const struct interval *brdffit_bound_moment_side(struct bound_moment *engine, uint32_t index, int depth);
 
 /* Lower bound of E^2 from an upper bound of J; never below 0, which is always true. */
 double brdffit_bound_moment_objective(const struct bound_moment *engine, double gain);
@@ -34,5 +34,9 @@ void brdffit_bound_moment_meet(const struct bound_moment *engine, double gain, c
 /* bound() of struct engine for one and for two lobes; self is a struct bound_moment. */
 double brdffit_bound_moment_one(void *self, struct box *box, struct point *met);
 double brdffit_bound_moment_two(void *self, struct box *box, struct point *met);
+
+/* start() of struct engine: the nodes of the first partition, and for two lobes all pairs of them. */
+double brdffit_bound_moment_start_one(void *self, struct point *met);
+double brdffit_bound_moment_start_two(void *self, struct point *met);
 
 #endif

@@ -6,6 +6,7 @@
 #include "bound_moment.h"
 #include "nnls.h"
 #include "tolerance.h"
+#include "vector.h"
 
 /* A box, its sides and what bounds it. Cosines: 0 = kappa of the first side, 1 = of the second, 2 = mu. */
 struct view {
@@ -37,7 +38,7 @@ static void open_cosines(struct view *v)
     }
     v->cosine_inf[0] = v->side[0]->kappa_inf;
     v->cosine_inf[1] = v->side[1]->kappa_inf;
-    v->cosine_inf[2] = fmax(0.0, cosine[2][2]); /* mu falls with the distance of the lobes */
+    v->cosine_inf[2] = larger(0.0, cosine[2][2]); /* mu falls with the distance of the lobes */
 }
 
 static void open_view(struct view *v, struct bound_moment *e, const struct box *box)
@@ -49,7 +50,7 @@ static void open_view(struct view *v, struct bound_moment *e, const struct box *
     g->channels = e->moments.data->channels;
     g->omega = e->moments.omega;
     for (i = 0; i < 2; i++) {
-        const struct interval *s = brdffit_bound_moment_side(e, box->interval[i]);
+        const struct interval *s = brdffit_bound_moment_side(e, box->interval[i], 2);
 
         v->side[i] = s;
         g->tau[i][0] = s->low->tau;
@@ -82,10 +83,10 @@ static int make_constant(const struct view *v, struct gains_two *g)
     int c, i, constants = 0;
 
     for (i = 0; i < 3; i++) {
-        double fall = fmax(g->fall[i][0], 0.0) + fmax(g->fall[i][1], 0.0), least = INFINITY;
+        double fall = larger(g->fall[i][0], 0.0) + larger(g->fall[i][1], 0.0), least = INFINITY;
 
         for (c = 0; c < 4; c++) {
-            least = fmin(least, g->cosine[i][c]);
+            least = smaller(least, g->cosine[i][c]);
         }
         if (least - fall >= 0.0) {
             continue;
@@ -136,6 +137,18 @@ static double meet_corners(const struct view *v, const double *gain, struct poin
     return best;
 }
 
+/* Whether ranges are no rival to chords: both ends nearly agree. */
+static int narrow(const struct view *v)
+{
+    double change = 0.0;
+    int i;
+
+    for (i = 0; i < 2; i++) {
+        change += v->side[i]->low->mean * (v->side[i]->high->u - v->side[i]->low->u);
+    }
+    return change < MONOTONE_LEAST;
+}
+
 double brdffit_bound_moment_two(void *self, struct box *box, struct point *met)
 {
     struct bound_moment *e = self;
@@ -157,10 +170,37 @@ double brdffit_bound_moment_two(void *self, struct box *box, struct point *met)
         vertex = brdffit_bound_moment_objective(e, kernels->climb_two(gain, lift));
     }
     box->bound = vertex;
-    if (!(vertex >= cutoff)) {
-        box->bound = fmax(vertex, brdffit_bound_moment_objective(e, monotone_two(&v)));
+    if (!(vertex >= cutoff) && !narrow(&v)) {
+        box->bound = larger(vertex, brdffit_bound_moment_objective(e, monotone_two(&v)));
     }
     /* Split the side whose shift costs more at a corner; the wider one where the chord is useless. */
     box->split = finite && vertex == box->bound ? lift[1] > lift[0] : width(&v, 1) > width(&v, 0);
+    return best;
+}
+
+double brdffit_bound_moment_start_two(void *self, struct point *met)
+{
+    struct bound_moment *e = self;
+    struct moments *m = &e->moments;
+    double best = INFINITY;
+    uint32_t i, j;
+    size_t k;
+
+    for (i = 0; i <= e->axis->first; i++) {
+        const struct node *q = brdffit_moments_node(m, i, e->axis->coordinate[i]);
+
+        for (j = 0; j <= i; j++) {
+            const struct node *p = &m->node[j];
+            const double theta[2] = {e->axis->coordinate[j], e->axis->coordinate[i]};
+            const double mu = brdffit_moments_pair(m, j, i)->mu;
+            const double cosine[3] = {larger(p->kappa, 0.0), larger(q->kappa, 0.0), larger(mu, 0.0)};
+            double sum = 0.0;
+
+            for (k = 0; k < m->data->channels; k++) {
+                sum += brdffit_nnls_gain3(cosine, (double[3]){m->omega[k], p->tau[k], q->tau[k]});
+            }
+            brdffit_bound_moment_meet(e, sum, theta, &best, met);
+        }
+    }
     return best;
 }

@@ -34,6 +34,7 @@
 
 #include "interval_general.h"
 #include "tolerance.h"
+#include "vector.h"
 
 #define UP (1.0 + TOL_CURVATURE)
 #define DOWN (1.0 - TOL_CURVATURE)
@@ -76,8 +77,8 @@ static struct enclosure exponential_functional(const struct interval *v, size_t 
     const struct functional *low = &v->low->functional[f], *high = &v->high->functional[f];
     double reach = v->low->mean - v->high->mean; /* >= 0: the mean falls with s */
     double best = high->f0 > 0.0 ? clip(high->f1 / high->f0, 0.0, reach) : 0.0;
-    double upper = fmax(shifted_square(low, 0.0, TOL_CURVATURE), shifted_square(low, -reach, TOL_CURVATURE));
-    double lower = fmax(0.0, shifted_square(high, best, -TOL_CURVATURE));
+    double upper = larger(shifted_square(low, 0.0, TOL_CURVATURE), shifted_square(low, -reach, TOL_CURVATURE));
+    double lower = larger(0.0, shifted_square(high, best, -TOL_CURVATURE));
     struct enclosure e;
 
     e.high = UP * upper / v->high->root - DOWN * curvature.low * (high->f0 / v->low->root);
@@ -94,7 +95,7 @@ static struct enclosure exponential_curvature(struct interval *v)
 
     e.low = DOWN * (2.0 * u->m2 / ratio);
     e.high = UP * (2.0 * l->m2 * ratio);
-    v->root_m4 = UP * sqrt(fmax(l->m4, shifted) * ratio);
+    v->root_m4 = UP * sqrt(larger(l->m4, shifted) * ratio);
     return e;
 }
 
@@ -114,7 +115,7 @@ static struct enclosure functional_curvature(struct intervals *t, const struct i
 static void fill(struct intervals *t, struct interval *v)
 {
     const struct reduced *data = t->moments->data;
-    double a_norm = sqrt(data->aa), epsilon = fmax(v->low->epsilon, v->high->epsilon);
+    double a_norm = sqrt(data->aa), epsilon = larger(v->low->epsilon, v->high->epsilon);
     double width = v->high->u - v->low->u;
     struct enclosure curvature, e;
     size_t k, K = data->channels;
@@ -134,9 +135,9 @@ static void fill(struct intervals *t, struct interval *v)
         double kappa_inf = v->high->functional[0].f0 / v->low->root / a_norm;
 
         e = functional_curvature(t, v, 0, curvature);
-        v->kappa_inf = fmax(0.0, kappa_inf - epsilon);
+        v->kappa_inf = larger(0.0, kappa_inf - epsilon);
         v->kappa_shift =
-            v->eighth * fmin(e.high / a_norm, v->root_m4 - DOWN * (curvature.low * kappa_inf));
+            v->eighth * smaller(e.high / a_norm, v->root_m4 - DOWN * (curvature.low * kappa_inf));
     }
     for (k = 0; k < K; k++) {
         double sup = v->low->functional[1 + k].f0 / v->high->root, curved;
@@ -160,7 +161,7 @@ static void fill_point(struct intervals *t, struct interval *v)
 
     v->eighth = 0.0;
     v->kappa_shift = 0.0;
-    v->kappa_inf = fmax(0.0, v->low->kappa);
+    v->kappa_inf = larger(0.0, v->low->kappa);
     v->curvature = 0.0;
     v->root_m4 = 0.0;
     for (k = 0; k < t->moments->data->channels; k++) {
@@ -197,16 +198,16 @@ struct interval *brdffit_interval(struct intervals *t, uint32_t index, uint32_t 
 /* The shift of the whole from its halves; `middle`: D(m), with its rounding. */
 static double joined(double m, double middle, double left, double right)
 {
-    double rest = 1.0 - m, within = fmax(middle / (4.0 * m) + left / m, middle / (4.0 * rest) + right / rest);
+    double rest = 1.0 - m, within = larger(middle / (4.0 * m) + left / m, middle / (4.0 * rest) + right / rest);
 
-    return fmax(within, middle / (4.0 * m * rest));
+    return larger(within, middle / (4.0 * m * rest));
 }
 
 void brdffit_interval_refine(struct intervals *t, struct interval *v, const struct interval *left,
                              const struct interval *right)
 {
     double m = (left->high->u - v->low->u) / (v->high->u - v->low->u), rest = 1.0 - m, shift;
-    double rounding = 4.0 * fmax(v->low->epsilon, fmax(v->high->epsilon, left->high->epsilon));
+    double rounding = 4.0 * larger(v->low->epsilon, larger(v->high->epsilon, left->high->epsilon));
     const struct node *low = v->low, *high = v->high, *middle = left->high;
     size_t k;
 
@@ -216,11 +217,11 @@ void brdffit_interval_refine(struct intervals *t, struct interval *v, const stru
     }
     shift = joined(m, rest * low->kappa + m * high->kappa - middle->kappa + rounding, left->kappa_shift,
                    right->kappa_shift);
-    v->kappa_shift = fmin(v->kappa_shift, shift);
+    v->kappa_shift = smaller(v->kappa_shift, shift);
     for (k = 0; k < t->moments->data->channels; k++) {
         double above = middle->tau[k] - (rest * low->tau[k] + m * high->tau[k]) + rounding * t->moments->norm[k];
 
-        v->tau_shift[k] = fmin(v->tau_shift[k], joined(m, above, left->tau_shift[k], right->tau_shift[k]));
+        v->tau_shift[k] = smaller(v->tau_shift[k], joined(m, above, left->tau_shift[k], right->tau_shift[k]));
     }
 }
 
@@ -235,14 +236,14 @@ double brdffit_pair_shift(struct intervals *t, const struct interval *first, con
         return 0.0;
     }
     far = brdffit_moments_pair(t->moments, first->low_index, second->high_index);
-    mu_inf = fmax(0.0, far->mu);
+    mu_inf = larger(0.0, far->mu);
     if (!t->moments->family->exponential) {
         return side->eighth * brdffit_general_pair(t->moments, first, second, which, mu_inf);
     }
     corner = brdffit_moments_pair(t->moments, first->low_index, second->low_index);
     square_low = corner->mean - side->low->mean;
     square_high = corner->mean - side->high->mean;
-    square = corner->value * (corner->variance + fmax(square_low * square_low, square_high * square_high));
-    square = UP * fmin(square / (first->high->root * second->high->root), side->root_m4);
+    square = corner->value * (corner->variance + larger(square_low * square_low, square_high * square_high));
+    square = UP * smaller(square / (first->high->root * second->high->root), side->root_m4);
     return side->eighth * (square - DOWN * (side->curvature * mu_inf));
 }

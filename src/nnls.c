@@ -38,41 +38,8 @@ static void orthogonalise(struct nnls *nnls, int j)
     nnls->kernels->scale(q, q, rest > 0.0 ? 1.0 / rest : 0.0, nnls->rows);
 }
 
-void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_t rows, int columns,
-                         const double *const *column, double *q)
-{
-    int i, j;
-
-    nnls->kernels = kernels;
-    nnls->rows = rows;
-    nnls->columns = columns;
-    for (j = 0; j < columns; j++) {
-        nnls->column[j] = column[j];
-        nnls->q[j] = q + (size_t)j * rows;
-        nnls->scale[j] = power_of_two(kernels->magnitude(column[j], rows));
-        kernels->scale(nnls->q[j], column[j], 1.0 / nnls->scale[j], rows);
-        nnls->norm[j] = sqrt(nnls->kernels->dot(nnls->q[j], nnls->q[j], rows));
-        if (nnls->norm[j] > 0.0) {
-            kernels->scale(nnls->q[j], nnls->q[j], 1.0 / nnls->norm[j], rows);
-        }
-        for (i = 0; i < NNLS_COLUMNS; i++) {
-            nnls->r[i][j] = 0.0;
-        }
-        if (nnls->norm[j] > 0.0) {
-            orthogonalise(nnls, j);
-        }
-    }
-}
-
-/* One support's little least squares: orthonormal basis of its columns of R. */
-struct support {
-    int count, index[NNLS_COLUMNS];
-    double basis[NNLS_COLUMNS][NNLS_COLUMNS]; /* [column of the support][row] */
-    double upper[NNLS_COLUMNS][NNLS_COLUMNS];
-};
-
 /* 0 when the columns of the support are dependent. */
-static int support_factor(const struct nnls *nnls, unsigned bits, struct support *s)
+static int support_factor(const struct nnls *nnls, unsigned bits, struct nnls_support *s)
 {
     int i, j, k, pass;
 
@@ -119,11 +86,50 @@ static int support_factor(const struct nnls *nnls, unsigned bits, struct support
     return 1;
 }
 
+static void factor_supports(struct nnls *nnls)
+{
+    unsigned bits;
+
+    nnls->support[0].count = 0;
+    for (bits = 1; bits < 1u << nnls->columns; bits++) {
+        if (!support_factor(nnls, bits, &nnls->support[bits])) {
+            nnls->support[bits].count = 0;
+        }
+    }
+}
+
+void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_t rows, int columns,
+                         const double *const *column, double *q)
+{
+    int i, j;
+
+    nnls->kernels = kernels;
+    nnls->rows = rows;
+    nnls->columns = columns;
+    for (j = 0; j < columns; j++) {
+        nnls->column[j] = column[j];
+        nnls->q[j] = q + (size_t)j * rows;
+        nnls->scale[j] = power_of_two(kernels->magnitude(column[j], rows));
+        kernels->scale(nnls->q[j], column[j], 1.0 / nnls->scale[j], rows);
+        nnls->norm[j] = sqrt(nnls->kernels->dot(nnls->q[j], nnls->q[j], rows));
+        if (nnls->norm[j] > 0.0) {
+            kernels->scale(nnls->q[j], nnls->q[j], 1.0 / nnls->norm[j], rows);
+        }
+        for (i = 0; i < NNLS_COLUMNS; i++) {
+            nnls->r[i][j] = 0.0;
+        }
+        if (nnls->norm[j] > 0.0) {
+            orthogonalise(nnls, j);
+        }
+    }
+    factor_supports(nnls);
+}
+
 /*
  * Solve the support for t; z has one entry a column of the support. Returns the squared norm of what is left of t,
  * from the rest itself: where data are fitted exactly, supports whose projections agree to rounding differ in it.
  */
-static double support_solve(const struct support *s, const double *t, int columns, double *z)
+static double support_solve(const struct nnls_support *s, const double *t, int columns, double *z)
 {
     double rest[NNLS_COLUMNS] = {0.0, 0.0, 0.0}, left = 0.0;
     int i, j, k;
@@ -153,7 +159,7 @@ static double support_solve(const struct support *s, const double *t, int column
 }
 
 /* Best feasible support for t; writes unit-column coefficients. */
-static unsigned best_support(const struct nnls *nnls, const double *t, double *unit, struct support *best)
+static unsigned best_support(const struct nnls *nnls, const double *t, double *unit)
 {
     unsigned bits, chosen = 0;
     double least = 0.0;
@@ -164,27 +170,26 @@ static unsigned best_support(const struct nnls *nnls, const double *t, double *u
         least += j < nnls->columns ? t[j] * t[j] : 0.0;
     }
     for (bits = 1; bits < 1u << nnls->columns; bits++) {
-        struct support s;
+        const struct nnls_support *s = &nnls->support[bits];
         double z[NNLS_COLUMNS];
         double left;
-        int feasible = 1;
+        int feasible = s->count > 0;
 
-        if (!support_factor(nnls, bits, &s)) {
+        if (!feasible) {
             continue;
         }
-        left = support_solve(&s, t, nnls->columns, z);
-        for (j = 0; j < s.count; j++) {
+        left = support_solve(s, t, nnls->columns, z);
+        for (j = 0; j < s->count; j++) {
             feasible = feasible && z[j] > 0.0;
         }
         if (feasible && left < least) {
             least = left;
             chosen = bits;
-            *best = s;
             for (j = 0; j < NNLS_COLUMNS; j++) {
                 unit[j] = 0.0;
             }
-            for (j = 0; j < s.count; j++) {
-                unit[s.index[j]] = z[j];
+            for (j = 0; j < s->count; j++) {
+                unit[s->index[j]] = z[j];
             }
         }
     }
@@ -234,7 +239,7 @@ static double kkt_residual(const struct nnls *nnls, const double *residual, unsi
 }
 
 /* One step of iterative refinement on the chosen support; kept only while it stays feasible. */
-static void refine(const struct nnls *nnls, const struct support *s, const double *residual, double *unit)
+static void refine(const struct nnls *nnls, const struct nnls_support *s, const double *residual, double *unit)
 {
     double t[NNLS_COLUMNS], step[NNLS_COLUMNS];
     int j;
@@ -254,7 +259,6 @@ static void refine(const struct nnls *nnls, const struct support *s, const doubl
 void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual,
                         struct nnls_answer *answer)
 {
-    struct support best = {0};
     double t[NNLS_COLUMNS], data_norm;
     int j;
 
@@ -266,10 +270,10 @@ void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *res
     residual_of(nnls, data, answer->data_scale, answer->unit, residual);
     data_norm = sqrt(nnls->kernels->dot(residual, residual, nnls->rows));
     project(nnls, residual, t);
-    answer->support = best_support(nnls, t, answer->unit, &best);
+    answer->support = best_support(nnls, t, answer->unit);
     if (answer->support) {
         residual_of(nnls, data, answer->data_scale, answer->unit, residual);
-        refine(nnls, &best, residual, answer->unit);
+        refine(nnls, &nnls->support[answer->support], residual, answer->unit);
         residual_of(nnls, data, answer->data_scale, answer->unit, residual);
     }
     answer->rss = nnls->kernels->dot(residual, residual, nnls->rows);
@@ -279,4 +283,44 @@ void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *res
             answer->z[j] = answer->unit[j] / nnls->norm[j] / nnls->scale[j] * answer->data_scale;
         }
     }
+}
+
+void brdffit_nnls_factor_gram(struct nnls *nnls, int columns, const double cosine[3])
+{
+    double (*r)[NNLS_COLUMNS] = nnls->r, square;
+    int i, j;
+
+    nnls->columns = columns;
+    for (i = 0; i < NNLS_COLUMNS; i++) {
+        for (j = 0; j < NNLS_COLUMNS; j++) {
+            r[i][j] = 0.0;
+        }
+    }
+    r[0][0] = 1.0;
+    r[0][1] = cosine[0];
+    square = (1.0 - cosine[0]) * (1.0 + cosine[0]);
+    r[1][1] = square > 0.0 ? sqrt(square) : 0.0;
+    if (columns > 2) {
+        r[0][2] = cosine[1];
+        r[1][2] = r[1][1] > 0.0 ? (cosine[2] - cosine[0] * cosine[1]) / r[1][1] : 0.0;
+        square = (1.0 - cosine[1]) * (1.0 + cosine[1]) - r[1][2] * r[1][2];
+        r[2][2] = square > 0.0 ? sqrt(square) : 0.0;
+    }
+    factor_supports(nnls);
+}
+
+unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double unit[NNLS_COLUMNS])
+{
+    double q[NNLS_COLUMNS] = {0.0, 0.0, 0.0};
+    int i, j;
+
+    for (j = 0; j < nnls->columns; j++) {
+        double rest = t[j];
+
+        for (i = 0; i < j; i++) {
+            rest -= nnls->r[i][j] * q[i];
+        }
+        q[j] = nnls->r[j][j] > 0.0 ? rest / nnls->r[j][j] : 0.0;
+    }
+    return best_support(nnls, q, unit);
 }

@@ -18,6 +18,13 @@
 
 #define NNLS_COLUMNS 3
 
+/* One support's little least squares: orthonormal basis of its columns of R. */
+struct nnls_support {
+    int count, index[NNLS_COLUMNS]; /* count 0: its columns are dependent, or there are none */
+    double basis[NNLS_COLUMNS][NNLS_COLUMNS]; /* [column of the support][row] */
+    double upper[NNLS_COLUMNS][NNLS_COLUMNS];
+};
+
 /* Columns scaled to unit norm and factored as Q R; pointers belong to the caller. */
 struct nnls {
     const struct kernels *kernels;
@@ -28,6 +35,7 @@ struct nnls {
     double scale[NNLS_COLUMNS];             /* power of two that brings the column to about 1 */
     double norm[NNLS_COLUMNS];              /* of the scaled column; 0 for a zero column */
     double r[NNLS_COLUMNS][NNLS_COLUMNS];   /* upper triangular, unit columns */
+    struct nnls_support support[1u << NNLS_COLUMNS]; /* [bits of its columns] */
 };
 
 struct nnls_answer {
@@ -46,6 +54,15 @@ void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_
 /* min ||data - A z||, z >= 0. residual: rows doubles, receives (data - A z) / data_scale. */
 void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual,
                         struct nnls_answer *answer);
+
+/*
+ * The same from cosines 01, 02, 12 of unit columns (two columns: the first), without the columns: brdffit_nnls_support()
+ * is then the answer to t = column . data of each. Accurate as far as the cosines are.
+ */
+void brdffit_nnls_factor_gram(struct nnls *nnls, int columns, const double cosine[3]);
+
+/* Writes unit-column coefficients and returns their support. */
+unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double unit[NNLS_COLUMNS]);
 
 /* R(t, M) for 2 columns with t = (p, q) and cosine kappa in [0, 1]. */
 double brdffit_nnls_gain2(double p, double q, double kappa);

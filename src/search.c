@@ -10,6 +10,8 @@
 
 #include <math.h>
 
+#include "vector.h"
+
 struct search {
     struct axis *axis;
     struct heap *heap;
@@ -26,19 +28,19 @@ struct search {
 
 double brdffit_search_cutoff(const struct search_rules *rules, double objective)
 {
-    return fmin(objective / (1.0 + rules->relative_gap), objective - rules->absolute_gap);
+    return smaller(objective / (1.0 + rules->relative_gap), objective - rules->absolute_gap);
 }
 
 static void close_box(struct search *s, double bound)
 {
-    s->closed = fmin(s->closed, bound);
+    s->closed = smaller(s->closed, bound);
 }
 
 static double global_bound(const struct search *s)
 {
     double open = s->heap->count ? s->heap->box[0].bound : INFINITY;
 
-    return fmin(fmin(fmin(open, s->closed), s->current), s->result->objective);
+    return smaller(smaller(smaller(open, s->closed), s->current), s->result->objective);
 }
 
 static int report(struct search *s)
@@ -108,9 +110,20 @@ static void child(struct search *s, const struct box *parent, uint32_t first, ui
     if (bound_box(s, &box, &met) < s->result->objective - s->engine->noise) {
         improve(s, &met);
     }
-    box.bound = fmax(box.bound, parent->bound); /* a child is part of its parent */
+    box.bound = larger(box.bound, parent->bound); /* a child is part of its parent */
     observe(s, &box);
     keep_or_close(s, &box);
+}
+
+/* A first incumbent where the engine has one at hand, so that the first boxes are bounded against it. */
+static void start(struct search *s)
+{
+    struct point met = {{s->axis->coordinate[0], s->axis->coordinate[0]}};
+
+    if (s->engine->start) {
+        (void)s->engine->start(s->engine->self, &met);
+        improve(s, &met);
+    }
 }
 
 /* Bound the whole first partition, then refine the best point met, before anything is closed. */
@@ -130,18 +143,16 @@ static void first_boxes(struct search *s)
             box.interval[0] = i;
             box.interval[1] = s->engine->lobes > 1 ? j : 0;
             objective = bound_box(s, &box, &met);
-            observe(s, &box);
             if (objective < best_objective) {
                 best_objective = objective;
                 best = met;
             }
-            if (!brdffit_heap_push(s->heap, &box)) {
-                close_box(s, box.bound);
-                s->full = 1;
-            }
+            keep_or_close(s, &box);
         }
     }
-    improve(s, &best);
+    if (!s->engine->start || best_objective < s->result->objective - s->engine->noise) {
+        improve(s, &best);
+    }
     s->current = INFINITY;
 }
 
@@ -153,12 +164,10 @@ static size_t children_of(const struct search *s, const struct box *box)
 
 static int box_is_fine(const struct search *s, const struct box *box)
 {
-    double width = s->engine->width(s->engine->self, box->interval[0]);
+    double resolution = s->rules->sigma_resolution;
 
-    if (s->engine->lobes > 1) {
-        width = fmax(width, s->engine->width(s->engine->self, box->interval[1]));
-    }
-    return s->rules->sigma_resolution > 0.0 && width <= s->rules->sigma_resolution;
+    return resolution > 0.0 && s->engine->width(s->engine->self, box->interval[0]) <= resolution &&
+           (s->engine->lobes < 2 || s->engine->width(s->engine->self, box->interval[1]) <= resolution);
 }
 
 static void give_up(struct search *s, const struct box *box, brdffit_stop reason)
@@ -246,6 +255,7 @@ void brdffit_search(struct axis *axis, struct heap *heap, const struct engine *e
     heap->count = 0;
     result->boxes = 0;
     result->objective = INFINITY;
+    start(&s);
     first_boxes(&s);
     while (heap->count && !s.full && !s.cancelled) {
         struct box box = heap->box[0];

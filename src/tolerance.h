@@ -30,6 +30,8 @@
 
 /* Largest ratio of two non-zero b (or a) that squares into a double with room for sums. */
 #define LIMIT_COEFFICIENT_RATIO 1e140
+/* Products of two shapes below exp(-this) = 5e-301 are left out of sums: a relative 1e-20 with that ratio. */
+#define PAIR_EXPONENT 690.0
 /* Largest c (tan^2 alpha): its products with s stay finite. */
 #define LIMIT_C 1e100
 /* Smallest largest value of a channel: coefficients in the data's units must keep their digits. */
@@ -79,6 +81,10 @@
 #define TOL_FLAT_LINEAR 1e-14
 /* Step in ln s that shows whether the objective is flat; 0.5 % of sigma. */
 #define FLAT_STEP 0.01
+/* The second derivative alone decides where it says this many times what counts as a change. */
+#define FLAT_DOUBT 1e3
+/* Ends of a flat stretch are found to this in ln s; they are never outside of it. */
+#define FLAT_END 1e-3
 /* Longest step in ln s along a flat stretch: between two such points the objective is taken to be level too. */
 #define FLAT_STRIDE 0.15
 
@@ -102,6 +108,9 @@
  */
 #define REFINE_ONCE 0.02
 #define REFINE_TWICE 0.3
+
+/* Boxes whose mean exponents change by less than this in all are not bounded by plain ranges. */
+#define MONOTONE_LEAST 0.5
 
 /* First partition of the axis: this many intervals, a power of two. */
 #define FIRST_INTERVALS 8

@@ -1,11 +1,22 @@
 /*
- * Small helpers on vectors of doubles. Layer 0. SPDX-License-Identifier: MIT
+ * Small helpers on doubles and vectors of them. Layer 0. SPDX-License-Identifier: MIT
  */
 #ifndef BRDFFIT_VECTOR_H
 #define BRDFFIT_VECTOR_H
 
 #include <math.h>
 #include <stddef.h>
+
+/* fmax() and fmin() without a call, for numbers; a NaN in x gives y. */
+static inline double larger(double x, double y)
+{
+    return x > y ? x : y;
+}
+
+static inline double smaller(double x, double y)
+{
+    return x < y ? x : y;
+}
 
 static inline double vector_largest(const double *v, size_t n)
 {
