@@ -91,6 +91,10 @@ class Cache:
 
     def __init__(self, path, key):
         self.path, self.key, self.known = pathlib.Path(path), key, {}
+        self.read()
+
+    def read(self):
+        self.known = {}
         if self.path.exists():
             with open(self.path, newline="", encoding="utf-8") as file:
                 for row in csv.DictReader(file):
@@ -100,6 +104,8 @@ class Cache:
     def get(self, path, make, fresh=False):
         """The rows of a file; made, and kept whole or not at all, when they are not known. Names are the caller's."""
         digest = digest_of([path])
+        if digest not in self.known:
+            self.read()  # another run may be filling it
         if fresh or digest not in self.known:
             rows = make()
             new = not self.path.exists()
