@@ -98,7 +98,7 @@ class Cache:
         if self.path.exists():
             with open(self.path, newline="", encoding="utf-8") as file:
                 for row in csv.DictReader(file):
-                    if row.get("end") == "." and row["key"] == key:
+                    if row.get("end") == "." and row["key"] == self.key:
                         self.known.setdefault(row["bytes"], []).append({c: row[c] for c in COLUMNS})
 
     def get(self, path, make, fresh=False):

@@ -283,7 +283,7 @@ def kernel_section(b):
     rows = [[lobes, f"{f['node']:,.0f}", f"{f['box']:,.0f}", f"{f['fit']:,.0f}", f"{f['nodes']:.0f}", f"{f['boxes']:.0f}"]
             for lobes, f in b.instructions.items() if f]
     if rows:
-        lines += [f"Instructions by callgrind (which knows no AVX-512, so that the fit runs its AVX2 code), mean of five files of "
+        lines += [f"Instructions by callgrind (which knows no AVX-512, so that the fit runs its AVX2 code), mean of three files of "
                   f"{main_set(b)} at gap 1e-3; a box without its nodes:", "",
                   table(["lobes", "a node", "a box", "a fit", "nodes", "boxes"], rows), ""]
     else:

@@ -12,6 +12,7 @@ import pathlib
 import platform
 import shlex
 import sys
+import threading
 import time
 
 import bench_arithmetic as a
@@ -110,9 +111,9 @@ class Bench:
     def against_paper(self):
         """The paper's bound to the gaps of engine moment, on one file in ten."""
         name, files = self.sets[0]
-        some = files[:: max(1, len(files) // 10)][:10]
+        some = files[:: max(1, len(files) // 5)][:5]
         self.paper_files = len(some)
-        patience = "1" if self.options.quick else "4"
+        patience = "0.5" if self.options.quick else "2"
         self.paper = [row for path in some for row in
                       self.programs.curves(name, path, "moment,socp-gap,socp-gap-every-box", ["--patience", patience])]
 
@@ -136,7 +137,7 @@ class Bench:
         program = self.programs.build / "kernel"
         self.peak = p.table(p.run([program])) if program.exists() else []
         files = self.sets[0][1]
-        some = files[:: max(1, len(files) // 5)][:5]
+        some = files[:: max(1, len(files) // 3)][:3]
         self.instructions = {lobes: p.count_instructions(self.programs, lobes, some) for lobes in (1, 2)}
 
 
@@ -197,6 +198,8 @@ def read_options(arguments):
     parser.add_argument("--quick", action="store_true", help="three files a set, smaller knobs: minutes")
     parser.add_argument("--fresh", action="store_true", help="measure the peers again too")
     parser.add_argument("--peers-only", action="store_true", help="fill the peers' cache and stop")
+    parser.add_argument("--together", action="store_true",
+                        help="costs beside the curves instead of after them: sooner where other programs disturb anyway")
     parser.add_argument("--no-scipy", action="store_true")
     parser.add_argument("--longest", type=float, default=120.0, help="seconds of the longest fit of the costs (default 120)")
     parser.add_argument("--results", help="Markdown file to put the section into as well")
@@ -204,21 +207,33 @@ def read_options(arguments):
     options = parser.parse_args(arguments)
     folders = " ".join(pathlib.Path(folder).resolve().name for folder in options.data)
     options.command = "make bench" + (f" DATA={shlex.quote(folders)}" if folders else "") + \
-        (" QUICK=1" if options.quick else "") + (" FRESH=1" if options.fresh else "")
+        (" QUICK=1" if options.quick else "") + (" FRESH=1" if options.fresh else "") + \
+        (" BENCH_OPTIONS=--together" if options.together else "")
     return options
+
+
+def run_steps(bench):
+    """What is not curves."""
+    for step in (bench.against_paper, bench.costs, bench.kernel, bench.others):
+        step()
+        say(f"bench: {step.__name__}, {time.time() - bench.begun:.0f} s")
 
 
 def main(arguments):
     options = read_options(arguments)
     try:
         bench = Bench(options)
+        beside = threading.Thread(target=run_steps, args=(bench,))
+        if options.together:
+            beside.start()
         bench.measure()
         if options.peers_only:
             return 0
         bench.judge()
-        for step in (bench.against_paper, bench.costs, bench.kernel, bench.others):
-            step()
-            say(f"bench: {step.__name__}, {time.time() - bench.begun:.0f} s")
+        if options.together:
+            beside.join()
+        else:
+            run_steps(bench)
         bench.machine, bench.evaluation = machine(), bench.evaluation_costs()
         write_files(bench)
         draw(bench)
