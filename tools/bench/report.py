@@ -6,6 +6,7 @@ bench.svg, bench_sets.svg, bench_costs.svg (and .png), and results.md; --results
 file too. SPDX-License-Identifier: MIT
 """
 import argparse
+import concurrent.futures
 import csv
 import os
 import pathlib
@@ -48,19 +49,29 @@ class Bench:
         methods = ",".join(m for m in self.programs.methods() if m not in ("moment", "socp"))
         cache = p.Cache(self.out / "cache.csv", p.source_key(self.programs, [methods, *self.settings.values()]))
         ours = options_of(OURS)
-        count, shown = sum(len(files) for _, files in self.sets), 0.0
-        done = 0
-        for name, files in self.sets:
-            for path in files:
-                if not self.options.peers_only:
-                    self.fresh += self.programs.curves(name, path, p.OURS, ours)
-                rows = cache.get(path, lambda: self.peer_rows(name, path, methods), self.options.fresh)  # pylint: disable=cell-var-from-loop
-                self.peers += [row | {"set": name, "file": path.stem} for row in rows]
-                done += 1
-                if time.time() > shown + 30.0:
-                    shown = time.time()
-                    say(f"bench: {done} of {count} files, {shown - self.begun:.0f} s")
-        say(f"bench: {done} files measured, {time.time() - self.begun:.0f} s")
+        work = [(name, path) for name, files in self.sets for path in files]
+        self.shown = self.done = 0
+        lock = threading.Lock()
+
+        def one(job):
+            name, path = job
+            fresh = [] if self.options.peers_only else self.programs.curves(name, path, p.OURS, ours)
+            with lock:
+                known = cache.get(path, lambda: self.peer_rows(name, path, methods), self.options.fresh)
+            self.tell(len(work))
+            return fresh, [row | {"set": name, "file": path.stem} for row in known]
+
+        with concurrent.futures.ThreadPoolExecutor(self.options.workers) as pool:
+            for fresh, known in pool.map(one, work):
+                self.fresh += fresh
+                self.peers += known
+        say(f"bench: {len(work)} files measured, {time.time() - self.begun:.0f} s")
+
+    def tell(self, count):
+        self.done += 1
+        if time.time() > self.shown + 30.0:
+            self.shown = time.time()
+            say(f"bench: {self.done} of {count} files, {self.shown - self.begun:.0f} s")
 
     def peer_rows(self, name, path, methods):
         rows = self.programs.curves(name, path, methods, options_of(self.settings))
@@ -200,6 +211,7 @@ def read_options(arguments):
     parser.add_argument("--peers-only", action="store_true", help="fill the peers' cache and stop")
     parser.add_argument("--together", action="store_true",
                         help="costs beside the curves instead of after them: sooner where other programs disturb anyway")
+    parser.add_argument("--workers", type=int, default=1, help="files measured at a time (default 1: the quietest)")
     parser.add_argument("--no-scipy", action="store_true")
     parser.add_argument("--longest", type=float, default=120.0, help="seconds of the longest fit of the costs (default 120)")
     parser.add_argument("--results", help="Markdown file to put the section into as well")
@@ -208,7 +220,7 @@ def read_options(arguments):
     folders = " ".join(pathlib.Path(folder).resolve().name for folder in options.data)
     options.command = "make bench" + (f" DATA={shlex.quote(folders)}" if folders else "") + \
         (" QUICK=1" if options.quick else "") + (" FRESH=1" if options.fresh else "") + \
-        (" BENCH_OPTIONS=--together" if options.together else "")
+        (f" BENCH_OPTIONS='--together --workers {options.workers}'" if options.together else "")
     return options
 
 
