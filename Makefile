@@ -110,6 +110,7 @@ help:
 	@echo 'make install     to $(prefix) (PREFIX, DESTDIR, bindir, libdir, ... are honoured)'
 	@echo 'make uninstall   remove what install put there'
 	@echo 'make peers       levmar and Ceres, local solvers to compare with (downloads them; GPL)'
+	@echo 'make bench [DATA="dir ..."] [QUICK=1]   run time against error, beside every peer'
 	@echo 'make paper DATA=dir [STARTS=100]   the paper'\''s experiments on MERL or CSV files'
 	@echo 'make stress      strained problems against 50-digit references (RESULTS=file.md: a table there)'
 	@echo 'make clean       remove what was built; keeps downloads'
@@ -377,5 +378,6 @@ distclean:
 
 include tools/bench/peers.mk
 include tools/stress/stress.mk
+include tools/bench/bench.mk
 
 -include $(wildcard $(OBJ)/src/*.d $(OBJ)/src/io/*.d $(OBJ)/tools/*/*.d $(OBJ)/tests/*.d $(OBJ)/tests/*/*.d)
