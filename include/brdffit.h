@@ -381,6 +381,8 @@ typedef struct brdffit_result {
     size_t socp_refused;         /* of these, without a certificate that holds: the box was kept */
     size_t socp_decided;         /* boxes that needed no cone program */
     size_t distinct_c;           /* samples were merged into this many distinct c */
+    size_t channels_zero;        /* channels without signal, and channels whose data equal another's: bounds (L2, engine */
+    size_t channels_identical;   /* moment) did without them */
     size_t samples_used;
     size_t samples_skipped[BRDFFIT_SKIP_COUNT];
 } brdffit_result;

@@ -99,7 +99,7 @@ static double monotone_one(const struct bound_moment *e, const struct interval *
     double sum = 0.0;
     size_t k;
 
-    for (k = 0; k < e->moments.data->channels; k++) {
+    for (k = 0; k < e->moments.data->bounded; k++) {
         sum += brdffit_nnls_gain2(e->moments.omega[k], v->tau_sup[k], v->kappa_inf);
     }
     return sum;
@@ -110,7 +110,7 @@ static int finite_shifts(const struct bound_moment *e, const struct interval *v)
     int finite = isfinite(v->kappa_shift);
     size_t k;
 
-    for (k = 0; k < e->moments.data->channels; k++) {
+    for (k = 0; k < e->moments.data->bounded; k++) {
         finite = finite && isfinite(v->tau_shift[k]);
     }
     return finite;
@@ -118,7 +118,7 @@ static int finite_shifts(const struct bound_moment *e, const struct interval *v)
 
 static void open_one(const struct bound_moment *e, const struct interval *v, struct gains_one *in)
 {
-    in->channels = e->moments.data->channels;
+    in->channels = e->moments.data->bounded;
     in->omega = e->moments.omega;
     in->tau[0] = v->low->tau;
     in->tau[1] = v->high->tau;
@@ -188,7 +188,7 @@ double brdffit_bound_moment_start_one(void *self, struct point *met)
         double sum = 0.0;
         size_t k;
 
-        for (k = 0; k < e->moments.data->channels; k++) {
+        for (k = 0; k < e->moments.data->bounded; k++) {
             sum += brdffit_nnls_gain2(e->moments.omega[k], node->tau[k], larger(node->kappa, 0.0));
         }
         brdffit_bound_moment_meet(e, sum, theta, &best, met);

@@ -47,7 +47,7 @@ static void open_view(struct view *v, struct bound_moment *e, const struct box *
     int i;
 
     v->engine = e;
-    g->channels = e->moments.data->channels;
+    g->channels = e->moments.data->bounded;
     g->omega = e->moments.omega;
     for (i = 0; i < 2; i++) {
         const struct interval *s = brdffit_bound_moment_side(e, box->interval[i], 2);
@@ -196,7 +196,7 @@ double brdffit_bound_moment_start_two(void *self, struct point *met)
             const double cosine[3] = {larger(p->kappa, 0.0), larger(q->kappa, 0.0), larger(mu, 0.0)};
             double sum = 0.0;
 
-            for (k = 0; k < m->data->channels; k++) {
+            for (k = 0; k < m->data->bounded; k++) {
                 sum += brdffit_nnls_gain3(cosine, (double[3]){m->omega[k], p->tau[k], q->tau[k]});
             }
             brdffit_bound_moment_meet(e, sum, theta, &best, met);

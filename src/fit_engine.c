@@ -106,6 +106,7 @@ brdffit_status brdffit_fit_engine_start(struct fit *f, const brdffit_options *o,
         engine->noise = 0.0;
         return brdffit_bound_socp_start(&f->socp, &f->varpro, &f->axis, !o->socp_every_box);
     }
+    brdffit_reduce_channels(&f->data);
     brdffit_bound_moment_start(&f->moment, &f->data, f->family, f->varpro.kernels, &f->axis, o->lobes);
     engine->bound = o->lobes > 1 ? bound_two : bound_one;
     engine->start = o->lobes > 1 ? start_two : start_one;

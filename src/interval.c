@@ -118,7 +118,7 @@ static void fill(struct intervals *t, struct interval *v)
     double a_norm = sqrt(data->aa), epsilon = larger(v->low->epsilon, v->high->epsilon);
     double width = v->high->u - v->low->u;
     struct enclosure curvature, e;
-    size_t k, K = data->channels;
+    size_t k, K = data->bounded;
     int negative = data->functionals > 1 + K;
 
     v->eighth = UP * (width * width / 8.0);
@@ -164,7 +164,7 @@ static void fill_point(struct intervals *t, struct interval *v)
     v->kappa_inf = larger(0.0, v->low->kappa);
     v->curvature = 0.0;
     v->root_m4 = 0.0;
-    for (k = 0; k < t->moments->data->channels; k++) {
+    for (k = 0; k < t->moments->data->bounded; k++) {
         v->tau_shift[k] = 0.0;
         v->tau_sup[k] = v->low->tau[k];
     }
@@ -174,7 +174,7 @@ struct interval *brdffit_interval(struct intervals *t, uint32_t index, uint32_t 
                                   double theta_low, double theta_high)
 {
     struct interval *v = &t->interval[index];
-    size_t K = t->moments->data->channels;
+    size_t K = t->moments->data->bounded;
 
     if (t->ready[index]) {
         return v;
@@ -218,7 +218,7 @@ void brdffit_interval_refine(struct intervals *t, struct interval *v, const stru
     shift = joined(m, rest * low->kappa + m * high->kappa - middle->kappa + rounding, left->kappa_shift,
                    right->kappa_shift);
     v->kappa_shift = smaller(v->kappa_shift, shift);
-    for (k = 0; k < t->moments->data->channels; k++) {
+    for (k = 0; k < t->moments->data->bounded; k++) {
         double above = middle->tau[k] - (rest * low->tau[k] + m * high->tau[k]) + rounding * t->moments->norm[k];
 
         v->tau_shift[k] = smaller(v->tau_shift[k], joined(m, above, left->tau_shift[k], right->tau_shift[k]));

@@ -55,7 +55,7 @@ static double inverse_root(const struct node *node)
 
 static struct jet tau_of(const struct moments *m, const struct node *node, size_t k)
 {
-    size_t K = m->data->channels;
+    size_t K = m->data->bounded;
     struct jet jet = jet_of(node, &node->functional[1 + k], inverse_root(node));
 
     if (m->data->functionals > 1 + K) {
@@ -128,7 +128,7 @@ static void add_channel(const struct descender *d, const struct spot *s, size_t 
     unsigned support;
     int p, q, i;
 
-    t[0] = m->data->aa > 0.0 ? m->data->ai[k] / sqrt(m->data->aa) : 0.0;
+    t[0] = m->data->aa > 0.0 ? m->data->bound_root[k] * m->data->ai[m->data->bound_channel[k]] / sqrt(m->data->aa) : 0.0;
     for (p = 0; p < d->lobes; p++) {
         tau[p] = tau_of(m, s->node[p], k);
         t[1 + p] = tau[p].value;
@@ -177,7 +177,7 @@ static void evaluate(void *self, const struct point *at, int derivatives, struct
 
     (void)derivatives;
     open_spot(d->moments, d->lobes, at, &spot);
-    for (k = 0; k < d->moments->data->channels; k++) {
+    for (k = 0; k < d->moments->data->bounded; k++) {
         add_channel(d, &spot, k, &j);
     }
     *value = zero;

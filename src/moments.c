@@ -46,9 +46,11 @@ void brdffit_moments_start(struct moments *m, const struct reduced *data, const 
     m->epsilon = TOL_UNIT * (2.0 * (TOL_MOMENT_BASE + (double)data->stride / LANES));
     m->exponent_epsilon = 4.0 * TOL_UNIT + 2.0 * data->snapped;
     m->slack = (TOL_GAIN * TOL_UNIT + m->epsilon) * data->total;
-    for (k = 0; k < data->channels; k++) {
-        m->norm[k] = sqrt(data->ii[k]);
-        m->omega[k] = (data->aa > 0.0 ? data->ai[k] / root : 0.0) + m->epsilon * m->norm[k];
+    for (k = 0; k < data->bounded; k++) {
+        double factor = data->bound_root[k], along = data->ai[data->bound_channel[k]];
+
+        m->norm[k] = factor * sqrt(data->ii[data->bound_channel[k]]);
+        m->omega[k] = (data->aa > 0.0 ? factor * along / root : 0.0) + m->epsilon * m->norm[k];
     }
     memset(m->ready, 0, m->capacity + 2);
     if (lobes > 1) {
@@ -120,7 +122,7 @@ static double node_epsilon(const struct moments *m, const struct node *node)
 static void projections(const struct moments *m, struct node *node)
 {
     const struct reduced *data = m->data;
-    size_t k, K = data->channels;
+    size_t k, K = data->bounded;
     double inverse = node->root > 0.0 ? 1.0 / node->root : 0.0;
     double kappa = data->aa > 0.0 ? node->functional[0].f0 * inverse / sqrt(data->aa) : 0.0;
 

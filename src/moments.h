@@ -26,7 +26,7 @@ struct node {
     double m2, m3, m4; /* its central moments (m3 and m4 for exponential families only) */
     double epsilon; /* rounding allowance of this node's sums */
     double kappa; /* cosine of a and g, lowered by epsilon */
-    double *tau;  /* K: data along the normalised lobe, raised by epsilon |I_k| */
+    double *tau;  /* B: data along the normalised lobe, raised by epsilon |I_k| */
     struct functional *functional; /* as reduced.linear */
     double *phi;  /* stride, or NULL: see brdffit_moments_shape */
 };
@@ -44,8 +44,8 @@ struct moments {
     const struct kernels *kernels;
     double epsilon;     /* rounding allowance of a sum, but for its exponents */
     double exponent_epsilon; /* relative error of an exponent */
-    double *omega;      /* K: data along the normalised a, raised by epsilon |I_k| */
-    double *norm;       /* K: |I_k| */
+    double *omega;      /* B (reduced.bounded): data along the normalised a, raised by epsilon |I_k| */
+    double *norm;       /* B: |I_k| */
     double slack;       /* rounding allowance of an objective, absolute */
     struct node *node;
     unsigned char *ready;

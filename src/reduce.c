@@ -25,6 +25,8 @@ void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t 
     reduced->bb = ARENA_DOUBLES(arena, stride);
     reduced->concentration = ARENA_DOUBLES(arena, stride);
     reduced->linear = brdffit_arena_take(arena, stride, (1 + 2 * channels) * sizeof(double));
+    reduced->bound_channel = brdffit_arena_take(arena, channels, sizeof *reduced->bound_channel);
+    reduced->bound_root = ARENA_DOUBLES(arena, channels);
     reduced->ai = ARENA_DOUBLES(arena, channels);
     reduced->ii = ARENA_DOUBLES(arena, channels);
     reduced->channel_scale = ARENA_DOUBLES(arena, channels);
@@ -261,6 +263,7 @@ brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *sa
             brdffit_reduce_snap(reduced);
         }
         brdffit_reduce_sums(reduced, samples);
+        brdffit_reduce_every_channel(reduced);
         brdffit_reduce_rows(reduced, samples, options->norm);
     }
     return status;

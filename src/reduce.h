@@ -30,7 +30,11 @@ struct reduced {
     double *bb;        /* sum w b^2 */
     double *concentration; /* sum w^2 b^4 / bb^2, for the effective number of samples */
     double *linear;    /* functionals x stride: see below */
-    size_t functionals; /* 1 + K, or 1 + 2 K when some value is negative */
+    size_t functionals; /* 1 + B, or 1 + 2 B when some value is negative */
+    size_t bounded;     /* B <= K: channels that bounds look at, without zero ones and with identical ones merged */
+    size_t *bound_channel; /* B: each one's channel (the first of identical ones) */
+    double *bound_root; /* B: root of how many it stands for, a factor of its sums in `linear` */
+    size_t channels_zero, channels_identical;
     double aa;         /* sum w a^2 over all samples */
     double *ai;        /* K: sum w a I */
     double *ii;        /* K: sum w I^2 */
@@ -55,11 +59,14 @@ struct reduced {
     double *block;
 };
 
-/* linear + f * stride, f = 0: sum w a b; f = 1 + k: sum w max(I_k, 0) b; f = 1 + K + k: sum w max(-I_k, 0) b */
+/* linear + f * stride, f = 0: sum w a b; f = 1 + k: sum w max(I_k, 0) b; f = 1 + B + k: sum w max(-I_k, 0) b; k < B */
 
 void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels);
 
 brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples,
                               const brdffit_options *options, brdffit_error *error);
+
+/* Leave to the bounds only the channels that they need. `linear` is changed in place: once after each reduction. */
+void brdffit_reduce_channels(struct reduced *reduced);
 
 #endif

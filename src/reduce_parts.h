@@ -26,6 +26,9 @@ void brdffit_reduce_groups(struct reduced *reduced);
 /* Sums over samples of equal c; sets distinct, stride, c_min and every sum. */
 void brdffit_reduce_sums(struct reduced *reduced, const brdffit_samples *samples);
 
+/* After the sums: bounds look at every channel, until brdffit_reduce_channels(). */
+void brdffit_reduce_every_channel(struct reduced *reduced);
+
 /* Rows of the vector form, from the same groups; and `total` of norms other than l2. */
 void brdffit_reduce_rows(struct reduced *reduced, const brdffit_samples *samples, brdffit_norm norm);
 

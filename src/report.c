@@ -313,6 +313,8 @@ static void publish(struct fit *f, const brdffit_options *o, brdffit_result *res
     }
     result->sigma_floor = f->theta_flat < f->theta_low ? INFINITY : brdffit_fit_sigma(f, f->theta_flat, o);
     result->distinct_c = f->data.distinct;
+    result->channels_zero = f->data.channels_zero;
+    result->channels_identical = f->data.channels_identical;
     result->samples_used = f->data.counted;
     for (p = 0; p < BRDFFIT_SKIP_COUNT; p++) {
         result->samples_skipped[p] = f->data.skipped[p];

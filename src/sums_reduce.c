@@ -258,5 +258,6 @@ brdffit_status brdffit_sums_reduce(const struct brdffit_sums *s, const brdffit_o
         r->total += r->ii[k];
     }
     r->functionals = negative ? 1 + 2 * r->channels : 1 + r->channels;
+    brdffit_reduce_every_channel(r);
     return BRDFFIT_OK;
 }

@@ -174,6 +174,8 @@ class Result(ctypes.Structure):
         ("socp_refused", c_size_t),
         ("socp_decided", c_size_t),
         ("distinct_c", c_size_t),
+        ("channels_zero", c_size_t),
+        ("channels_identical", c_size_t),
         ("samples_used", c_size_t),
         ("samples_skipped", c_size_t * len(SKIP)),
     ]
