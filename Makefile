@@ -256,7 +256,7 @@ $(SHARED_IO): $(IO) $(SHARED) $(BUILD)/link.flags
 	$(call shared_library,$(IO) -L$(BUILD) -lbrdffit -lz -lm)
 
 $(BUILD)/brdffit: $(CLI) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
-	$(call say,LINK,$@)$(LINK) -o $@ $(CLI) $(STATIC_IO) $(STATIC) -lcjson -lz -lm
+	$(call say,LINK,$@)$(LINK) -o $@ $(CLI) $(STATIC_IO) $(STATIC) -lcjson -lpng -lz -lm -pthread
 
 $(BUILD)/goniometer: $(GONIOMETER) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
 	$(call say,LINK,$@)$(LINK) -o $@ $(GONIOMETER) $(STATIC_IO) $(STATIC) -lz -lm

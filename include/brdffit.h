@@ -363,6 +363,7 @@ typedef struct brdffit_result {
     double rms_total;            /* sqrt(sum w r^2 / (K sum w)) over all channels, whatever the norm; units that were
                                     minimised */
     double e2;                   /* E^2 at the optimum, evaluated on the samples themselves */
+    double e2_error;             /* how far e2 may be from that: 0 but for brdffit_fit_sums() */
     double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
     double gap;                  /* e2 - lower_bound, >= 0 */
     double sum_of_squares;       /* E^2 of the zero model */
@@ -402,6 +403,97 @@ BRDFFIT_API size_t brdffit_workspace_size(size_t count, size_t channels,
 BRDFFIT_API brdffit_status brdffit_fit(const brdffit_samples *samples, const brdffit_options *options,
                                        void *workspace, size_t workspace_size,
                                        brdffit_result *result, brdffit_error *error);
+
+/* ---- Sums: samples that are not kept ------------------------------------ */
+
+/*
+ * All that a least-squares fit needs to know of any number of samples, added up as they come: a goniometer that
+ * streams, a table that is larger than memory. Lives in the caller's memory, of a size that does not depend on the
+ * number of samples; no two threads may share one. Belongs to the distribution, max_incidence and isa of the options
+ * that it was made with; norm must be L2. Samples of equal c share a group, and there is room for so many groups.
+ *
+ * Sums have a smaller range than samples: weights and b, where not 0, must be in [1e-50, 1e50], values and a at most
+ * 1e100 (BRDFFIT_ERR_VALUE names the one that is not). brdffit_fit() has no such limits.
+ */
+typedef struct brdffit_sums brdffit_sums;
+
+/* Bytes of memory for `groups` distinct c, 0 when that overflows or an argument is 0. */
+BRDFFIT_API size_t brdffit_sums_size(size_t channels, size_t groups);
+
+/*
+ * Start with no samples, in `memory` of that size and any alignment. `options` may be NULL (defaults), `error` may be
+ * NULL. *sums points into the memory, which must not move, and needs no release.
+ */
+BRDFFIT_API brdffit_status brdffit_sums_init(void *memory, size_t size, size_t channels, size_t groups,
+                                             const brdffit_options *options, brdffit_sums **sums,
+                                             brdffit_error *error);
+
+/*
+ * Add samples of any form and quantity, checked and skipped as by brdffit_fit(). When one is at fault, error->sample is
+ * its index in `samples`, and those before it have been added. BRDFFIT_ERR_WORKSPACE: more distinct c than groups.
+ */
+BRDFFIT_API brdffit_status brdffit_sums_add(brdffit_sums *sums, const brdffit_samples *samples,
+                                            brdffit_error *error);
+
+/*
+ * The cells of a table in half/difference angles that share theta_h: f_r at differences x azimuths cells, cell (d, p)
+ * at index p + azimuths d, with
+ *
+ *     n.l, n.v = cos_half cos_difference[d] -+ sin_half sin_difference[d] cos_azimuth[p]      v.h = cos_difference[d]
+ *
+ * A cell with n.l or n.v <= horizon is not looked at but for NaN; one with a negative entry in any channel is absent,
+ * that is, not measured.
+ */
+typedef struct brdffit_row {
+    size_t struct_size;
+    size_t differences, azimuths;
+    double sin_half, cos_half; /* >= 0; tan^2 alpha is (sin_half / cos_half)^2 */
+    double horizon;            /* >= 0 */
+    const double *sin_difference, *cos_difference; /* differences each, in [0, 1] */
+    const double *cos_azimuth;                     /* azimuths, in [-1, 1] */
+    const void *const *entries; /* per channel, differences x azimuths doubles of any alignment (a mapped file) */
+    const double *scale;        /* per channel: f_r = entry * scale; > 0 */
+} brdffit_row;
+
+BRDFFIT_API void brdffit_row_init(brdffit_row *row); /* zeroes all and sets struct_size */
+
+/* What became of the cells of a row. */
+typedef enum brdffit_cell {
+    BRDFFIT_CELL_SAMPLE = 0, /* a sample, which the sums use or skip (incidence) */
+    BRDFFIT_CELL_BELOW_HORIZON,
+    BRDFFIT_CELL_ABSENT,
+    BRDFFIT_CELL_COUNT
+} brdffit_cell;
+
+/*
+ * Add a row in one sweep, as fast as memory delivers it. `cells` (may be NULL) is incremented. On failure nothing of the
+ * row is added: BRDFFIT_ERR_VALUE with error->sample and channel for an entry that is not finite (of any cell) or
+ * beyond the range of sums; BRDFFIT_ERR_UNSUPPORTED for LAFORTUNE, whose c differs from cell to cell;
+ * BRDFFIT_ERR_WORKSPACE as above.
+ */
+BRDFFIT_API brdffit_status brdffit_sums_add_row(brdffit_sums *sums, const brdffit_row *row,
+                                                size_t cells[BRDFFIT_CELL_COUNT], brdffit_error *error);
+
+/* Samples seen so far: `used` and `skipped` (may be NULL) as of brdffit_inspect(). */
+BRDFFIT_API void brdffit_sums_count(const brdffit_sums *sums, size_t *used, size_t skipped[BRDFFIT_SKIP_COUNT]);
+
+/* Largest used radiance of a channel so far, 0 when none is positive. */
+BRDFFIT_API double brdffit_sums_largest(const brdffit_sums *sums, size_t channel);
+
+/* As brdffit_workspace_size(). */
+BRDFFIT_API size_t brdffit_sums_workspace_size(const brdffit_sums *sums, const brdffit_options *options);
+
+/*
+ * Fit what was added, as brdffit_fit() would (engine moment only; its other ways need the samples:
+ * BRDFFIT_ERR_UNSUPPORTED). The sums are only read: more can be added, and they can be fitted again with other lobes,
+ * ranges and gaps. e2 is known to within result->e2_error, a few 1e-13 of sum_of_squares: when that is too much, the
+ * model fits to rounding, and only brdffit_fit() can tell how well.
+ */
+BRDFFIT_API brdffit_status brdffit_fit_sums(const brdffit_sums *sums, const brdffit_options *options,
+                                            void *workspace, size_t workspace_size, brdffit_result *result,
+                                            brdffit_error *error);
+
+/* ---- Proof again --------------------------------------------------------- */
 
 /* What brdffit_verify_socp() found. */
 typedef struct brdffit_reproof {

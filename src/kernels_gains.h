@@ -51,22 +51,34 @@ LANES_INLINE void climbs(double (*argument)[LANES], size_t count, double *out)
     }
 }
 
+/*
+ * Lane l = c0 + 2 c1 + 4 s0 of two lobes; with one, lane c0 + 2 s0. A lane's numbers are chosen by masks from registers
+ * that hold one number each: an array filled by scalars and read as a vector would wait for memory.
+ */
+static const int64_t lane_bit[3][LANES] = {
+    {0, -1, 0, -1, 0, -1, 0, -1}, {0, 0, -1, -1, 0, 0, -1, -1}, {0, 0, 0, 0, -1, -1, -1, -1}};
+
+/* In lanes from `part` on: `on` where bit `b` of the lane is set, else `off`. */
+LANES_INLINE vec by_bit(int b, size_t part, double off, double on)
+{
+    return vec_select(vec_load_mask(lane_bit[b] + part), vec_set(on), vec_set(off));
+}
+
 static void gains_one(const struct gains_one *in, double gain[4])
 {
-    const double fall[LANES] = {0.0, 0.0, in->fall, in->fall};
-    const double cosine[LANES] = {in->cosine[0], in->cosine[1], in->cosine[0], in->cosine[1]};
     double out[LANES];
     size_t part, k;
 
     for (part = 0; part < 4; part += VEC) {
-        vec kappa = gain_clip(vec_max(vec_load(cosine + part) - vec_load(fall + part), vec_set(0.0)));
-        vec inverse = gain_inverse(kappa), sum = vec_set(0.0);
+        vec kappa = by_bit(0, part, in->cosine[0], in->cosine[1]) - by_bit(1, part, 0.0, in->fall), inverse, sum;
 
+        kappa = gain_clip(vec_max(kappa, vec_set(0.0)));
+        inverse = gain_inverse(kappa);
+        sum = vec_set(0.0);
         for (k = 0; k < in->channels; k++) {
-            double low = in->tau[0][k], high = in->tau[1][k];
-            double tau[LANES] = {low, high, low + in->shift[k], high + in->shift[k]};
+            vec tau = by_bit(0, part, in->tau[0][k], in->tau[1][k]) + by_bit(1, part, 0.0, in->shift[k]);
 
-            sum += gain2_vec(vec_set(in->omega[k]), vec_load(tau + part), kappa, inverse);
+            sum += gain2_vec(vec_set(in->omega[k]), tau, kappa, inverse);
         }
         vec_store(out + part, sum);
     }
@@ -82,35 +94,31 @@ static double climb_one(const double gain[4])
     return out[0];
 }
 
-/* Corners in lanes 0 to 3 and again, with side 0 shifted, in 4 to 7; with `second`, side 1 is shifted too. */
+/* With `second`, side 1 is shifted too. */
 LANES_INLINE void gains_half(const struct gains_two *in, int second, double *gain)
 {
-    double cosine[3][LANES];
     size_t part, k;
-    int i, c;
 
-    for (i = 0; i < 3; i++) {
-        double fall = second ? in->fall[i][1] : 0.0;
-
-        for (c = 0; c < 4; c++) {
-            cosine[i][c] = in->cosine[i][c] - fall;
-            cosine[i][4 + c] = in->cosine[i][c] - in->fall[i][0] - fall;
-        }
-    }
     for (part = 0; part < LANES; part += VEC) {
         const vec zero = vec_set(0.0);
-        struct gram3_vec gram = gram3_vec(vec_max(vec_load(cosine[0] + part), zero),
-                                          vec_max(vec_load(cosine[1] + part), zero),
-                                          vec_max(vec_load(cosine[2] + part), zero));
-        vec sum = zero;
+        struct gram3_vec gram;
+        vec cosine[3], sum = zero;
+        int i;
 
+        cosine[0] = by_bit(0, part, in->cosine[0][0], in->cosine[0][1]);
+        cosine[1] = by_bit(1, part, in->cosine[1][0], in->cosine[1][2]);
+        cosine[2] = vec_select(vec_load_mask(lane_bit[1] + part), by_bit(0, part, in->cosine[2][2], in->cosine[2][3]),
+                               by_bit(0, part, in->cosine[2][0], in->cosine[2][1]));
+        for (i = 0; i < 3; i++) {
+            cosine[i] = cosine[i] - by_bit(2, part, 0.0, in->fall[i][0]) - (second ? in->fall[i][1] : 0.0);
+            cosine[i] = vec_max(cosine[i], zero);
+        }
+        gram = gram3_vec(cosine[0], cosine[1], cosine[2]);
         for (k = 0; k < in->channels; k++) {
-            double l0 = in->tau[0][0][k], h0 = in->tau[0][1][k], s0 = in->shift[0][k], s1 = second ? in->shift[1][k] : 0.0;
-            double l1 = in->tau[1][0][k] + s1, h1 = in->tau[1][1][k] + s1;
-            double t1[LANES] = {l0, h0, l0, h0, l0 + s0, h0 + s0, l0 + s0, h0 + s0};
-            double t2[LANES] = {l1, l1, h1, h1, l1, l1, h1, h1};
+            vec t1 = by_bit(0, part, in->tau[0][0][k], in->tau[0][1][k]) + by_bit(2, part, 0.0, in->shift[0][k]);
+            vec t2 = by_bit(1, part, in->tau[1][0][k], in->tau[1][1][k]) + (second ? in->shift[1][k] : 0.0);
 
-            sum += gain3_vec(&gram, vec_set(in->omega[k]), vec_load(t1 + part), vec_load(t2 + part));
+            sum += gain3_vec(&gram, vec_set(in->omega[k]), t1, t2);
         }
         vec_store(gain + part, sum);
     }
@@ -124,24 +132,40 @@ static void gains_two(const struct gains_two *in, int only_first, double gain[16
     }
 }
 
+/* The numbers of `from` (16, or 8 of them) at the given places, below 16. */
+LANES_INLINE void pick(const double *from, size_t count, const int64_t place[LANES], double *to)
+{
+#if VEC == 8 && !defined(__clang__)
+    vec low = vec_load(from), high = count > VEC ? vec_load(from + VEC) : low;
+
+    vec_store(to, __builtin_shuffle(low, high, vec_load_mask(place)));
+#else
+    size_t l;
+
+    (void)count;
+    for (l = 0; l < LANES; l++) {
+        to[l] = from[place[l]];
+    }
+#endif
+}
+
 static double climb_two(const double gain[16], double lift[2])
 {
-    /* Places in gain[c0 + 2 c1 + 4 s0 + 8 s1]: lanes 0 to 3 climb along side 0, for each (c1, s1); lanes 4 to 7 along
-     * side 1, for each (c0, s0). */
-    static const unsigned char place[4][LANES] = {
-        {0, 2, 8, 10, 0, 1, 4, 5},     /* low */
-        {4, 6, 12, 14, 8, 9, 12, 13},  /* low, shifted */
-        {1, 3, 9, 11, 2, 3, 6, 7},     /* high */
-        {5, 7, 13, 15, 10, 11, 14, 15} /* high, shifted */
-    };
+    /* Places in gain[c0 + 2 c1 + 4 s0 + 8 s1] of low, low shifted, high, high shifted: lanes 0 to 3 climb along side 0,
+     * for each (c1, s1); lanes 4 to 7 along side 1, for each (c0, s0). */
+    static const int64_t place[4][LANES] = {{0, 2, 8, 10, 0, 1, 4, 5},
+                                            {4, 6, 12, 14, 8, 9, 12, 13},
+                                            {1, 3, 9, 11, 2, 3, 6, 7},
+                                            {5, 7, 13, 15, 10, 11, 14, 15}};
+    /* Lane 0: along side 1 outside; lane 1: along side 0. */
+    static const int64_t outside[4][LANES] = {{0, 4}, {2, 6}, {1, 5}, {3, 7}};
     double argument[4][LANES], inner[LANES], outer[LANES];
     size_t i, l;
 
     for (i = 0; i < 4; i++) {
-        for (l = 0; l < LANES; l++) {
-            argument[i][l] = gain[place[i][l]];
-        }
+        pick(gain, 16, place[i], argument[i]);
     }
+    climbs(argument, LANES, inner);
     for (i = 0; i < 2; i++) { /* the other side not shifted: the first two lanes of each four */
         lift[i] = 0.0;
         for (l = 4 * i; l < 4 * i + 2; l++) {
@@ -153,13 +177,8 @@ static double climb_two(const double gain[16], double lift[2])
             lift[i] = high > lift[i] ? high : lift[i];
         }
     }
-    climbs(argument, LANES, inner);
-    for (i = 0; i < 4; i++) { /* lane 0: along side 1 outside; lane 1: along side 0 */
-        static const unsigned char of[4] = {0, 2, 1, 3};
-
-        for (l = 0; l < LANES; l++) {
-            argument[i][l] = inner[of[i] + 4 * (l & 1)];
-        }
+    for (i = 0; i < 4; i++) {
+        pick(inner, LANES, outside[i], argument[i]);
     }
     climbs(argument, VEC, outer);
     return outer[0] < outer[1] ? outer[0] : outer[1];

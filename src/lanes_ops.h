@@ -5,10 +5,16 @@
 typedef double OPS_TYPE __attribute__((vector_size(8 * OPS_COUNT)));
 typedef int64_t OPS_MASK __attribute__((vector_size(8 * OPS_COUNT)));
 typedef double OPS_MEMORY __attribute__((vector_size(8 * OPS_COUNT), aligned(8), may_alias));
+typedef int64_t OPS(mask_memory) __attribute__((vector_size(8 * OPS_COUNT), aligned(8), may_alias));
 
 LANES_INLINE OPS_TYPE OPS(load)(const double *p)
 {
     return *(const OPS_MEMORY *)p;
+}
+
+LANES_INLINE OPS_MASK OPS(load_mask)(const int64_t *p)
+{
+    return *(const OPS(mask_memory) *)p;
 }
 
 LANES_INLINE void OPS(store)(double *p, OPS_TYPE v)
@@ -58,7 +64,7 @@ LANES_INLINE OPS_TYPE OPS(exp)(OPS_TYPE x)
 {
     const OPS_TYPE shift = OPS(set)(6755399441055744.0);
     OPS_MASK low = x < OPS(set)(-708.0);
-    OPS_TYPE clipped = OPS(select)(low, OPS(set)(-708.0), x);
+    OPS_TYPE clipped = OPS(select)(low, OPS(set)(0.0), x); /* any number: -708 itself would underflow on its way */
     OPS_TYPE t = clipped * 1.4426950408889634 + shift;
     OPS_TYPE k = t - shift;
     OPS_TYPE r = (clipped - k * 6.93147180369123816490e-01) - k * 1.90821492927058770002e-10;

@@ -173,9 +173,9 @@ static void fill_pair(struct moments *m, struct pair *pair)
     const struct node *p = &m->node[pair->first], *q = &m->node[pair->second];
     const double *phi = brdffit_moments_shape(m, p, m->scratch);
     const double *psi = brdffit_moments_shape(m, q, m->scratch + data->stride);
-    double sums[3], exponent;
+    double limit = m->family->exponential ? PAIR_EXPONENT / (p->u + q->u) : INFINITY, sums[3], exponent;
 
-    m->kernels->pair(data->bb, phi, psi, data->c, data->stride, sums);
+    m->kernels->pair(data->bb, phi, psi, data->c, limit, data->stride, sums);
     pair->value = sums[0];
     pair->mean = sums[1];
     pair->variance = sums[2];

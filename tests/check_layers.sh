@@ -9,9 +9,9 @@ cd "$(dirname "$0")/.."
 layer_of() { # file name without directory
     case ${1%.[ch]} in
     status | tolerance | vector | kernel_* | lanes | lanes_ops | isa | arena | environment) echo 0 ;;
-    kernels | kernels_* | gain) echo 1 ;;
+    kernels | kernels_* | gain | strip | strip_*) echo 1 ;;
     nnls | nnls_* | vertex | vertex_* | heap | axis | certificate | scaling) echo 1 ;;
-    family | family_* | geometry | geometry_* | reduce | reduce_* | moments | moments_* | residual | residual_* | socp | lp | lp_*)
+    family | family_* | geometry | geometry_* | reduce | reduce_* | sums | sums_* | moments | moments_* | residual | residual_* | socp | lp | lp_*)
         echo 2
         ;;
     bound | bound_* | restricted | restricted_* | interval | interval_* | varpro | varpro_* | newton | moment_descend | refine | refine_*) echo 3 ;;

@@ -15,8 +15,8 @@
 #include "table.h"
 
 /* Unpacked content into a new table. */
-static brdffit_status parse(const unsigned char *data, size_t size, const brdffit_io_options *options,
-                            brdffit_table **out, brdffit_error *error)
+brdffit_status brdffit_io_parse(const unsigned char *data, size_t size, const brdffit_io_options *options,
+                                brdffit_table **out, brdffit_error *error)
 {
     brdffit_io_format format = options->format;
     brdffit_status status = BRDFFIT_OK;
@@ -54,14 +54,14 @@ static brdffit_status unpack_and_parse(const unsigned char *data, size_t size, s
     brdffit_status status;
 
     if (!brdffit_io_is_gzip(data, size)) {
-        return parse(data, size, options, out, error);
+        return brdffit_io_parse(data, size, options, out, error);
     }
     status = brdffit_io_gunzip(data, size, IO_LIMIT_BYTES, &unpacked, error);
     if (owner) {
         brdffit_io_bytes_free(owner);
     }
     if (status == BRDFFIT_OK) {
-        status = parse(unpacked.data, unpacked.size, options, out, error);
+        status = brdffit_io_parse(unpacked.data, unpacked.size, options, out, error);
     }
     if (status == BRDFFIT_OK) {
         (*out)->compressed = 1;
