@@ -99,7 +99,7 @@ typedef struct brdffit_table {
 BRDFFIT_API brdffit_status brdffit_io_read(const char *path, const brdffit_io_options *options,
                                            brdffit_table **table, brdffit_error *error);
 
-/* The same from memory. Data may be gzip. */
+/* The same from memory. Data may be gzip. Both give the same bits in every floating-point environment of the caller. */
 BRDFFIT_API brdffit_status brdffit_io_read_memory(const void *data, size_t size,
                                                   const brdffit_io_options *options,
                                                   brdffit_table **table, brdffit_error *error);

@@ -148,6 +148,7 @@ static void first_boxes(struct search *s)
                 best_objective = objective;
                 best = met;
             }
+            observe(s, &box);
             keep_or_close(s, &box);
         }
     }

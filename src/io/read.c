@@ -6,6 +6,7 @@
 #include "bytes.h"
 #include "csv.h"
 #include "detect.h"
+#include "environment.h"
 #include "fail.h"
 #include "gzip.h"
 #include "limits.h"
@@ -14,9 +15,10 @@
 #include "source.h"
 #include "table.h"
 
-/* Unpacked content into a new table. */
-brdffit_status brdffit_io_parse(const unsigned char *data, size_t size, const brdffit_io_options *options,
-                                brdffit_table **out, brdffit_error *error)
+/* Unpacked content into a new table, in the default floating-point environment. */
+ENVIRONMENT_APART static brdffit_status parse_there(const unsigned char *data, size_t size,
+                                                    const brdffit_io_options *options, brdffit_table **out,
+                                                    brdffit_error *error)
 {
     brdffit_io_format format = options->format;
     brdffit_status status = BRDFFIT_OK;
@@ -43,6 +45,19 @@ brdffit_status brdffit_io_parse(const unsigned char *data, size_t size, const br
     }
     *out = &table->open;
     return BRDFFIT_OK;
+}
+
+/* Decimal numbers and angles round to nearest whatever the caller's rounding mode is. */
+brdffit_status brdffit_io_parse(const unsigned char *data, size_t size, const brdffit_io_options *options,
+                                brdffit_table **out, brdffit_error *error)
+{
+    struct environment callers;
+    brdffit_status status;
+
+    brdffit_environment_enter(&callers);
+    status = parse_there(data, size, options, out, error);
+    brdffit_environment_leave(&callers);
+    return status;
 }
 
 /* Content as it came: gzip is looked through. `owner`, when given, holds the data and is freed early. */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "bytes.h"
+#include "environment.h"
 #include "fail.h"
 #include "gzip.h"
 #include "limits.h"
@@ -28,6 +29,34 @@ static int wants_sums(const brdffit_io_options *io, const brdffit_options *fit)
            fit->distribution != BRDFFIT_LAFORTUNE;
 }
 
+ENVIRONMENT_APART static brdffit_status samples_again(brdffit_table *table, brdffit_error *error)
+{
+    struct io_table *whole = (struct io_table *)(void *)table, *again;
+    struct io_table swap;
+    brdffit_status status;
+
+    if (!table) {
+        return brdffit_io_fail(error, BRDFFIT_ERR_ARGUMENT, "table is NULL");
+    }
+    if (!whole->map.data && !whole->bytes.data) {
+        return BRDFFIT_OK; /* samples are what it has */
+    }
+    again = brdffit_io_table_new();
+    if (!again) {
+        return brdffit_io_no_memory(error);
+    }
+    status = brdffit_io_merl_read(whole->map.data ? whole->map.data : whole->bytes.data,
+                                  whole->map.data ? whole->map.size : whole->bytes.size, &whole->options, again, error);
+    if (status == BRDFFIT_OK) {
+        again->open.compressed = table->compressed;
+        swap = *whole;
+        *whole = *again;
+        *again = swap;
+    }
+    brdffit_io_free(&again->open);
+    return status;
+}
+
 /* Content of `map` or `bytes`, which the table takes over, as sums; or as samples where sums will not do. */
 static brdffit_status sum_content(struct io_map *map, struct io_bytes *bytes, const brdffit_io_options *io,
                                   const brdffit_options *fit, brdffit_table **out, brdffit_error *error)
@@ -46,7 +75,7 @@ static brdffit_status sum_content(struct io_map *map, struct io_bytes *bytes, co
     status = brdffit_io_merl_sum(map->data ? map->data : bytes->data, map->data ? map->size : bytes->size, io, fit,
                                  table, error);
     if (status == BRDFFIT_ERR_UNSUPPORTED) {
-        status = brdffit_io_samples(&table->open, error);
+        status = samples_again(&table->open, error);
     }
     if (status != BRDFFIT_OK) {
         brdffit_io_free(&table->open);
@@ -102,8 +131,9 @@ static brdffit_status read_content(const char *path, const brdffit_io_options *i
                                            : sum_bytes(&bytes, bytes.data, bytes.size, io, fit, out, error);
 }
 
-brdffit_status brdffit_io_read_sums(const char *path, const brdffit_io_options *options, const brdffit_options *fit,
-                                    brdffit_table **table, brdffit_error *error)
+ENVIRONMENT_APART static brdffit_status read_sums(const char *path, const brdffit_io_options *options,
+                                                  const brdffit_options *fit, brdffit_table **table,
+                                                  brdffit_error *error)
 {
     struct io_bytes none = {NULL, 0, 0};
     brdffit_io_options checked;
@@ -129,8 +159,10 @@ brdffit_status brdffit_io_read_sums(const char *path, const brdffit_io_options *
     return read_content(path, &checked, fit, table, error);
 }
 
-brdffit_status brdffit_io_read_sums_memory(const void *data, size_t size, const brdffit_io_options *options,
-                                           const brdffit_options *fit, brdffit_table **table, brdffit_error *error)
+ENVIRONMENT_APART static brdffit_status read_sums_memory(const void *data, size_t size,
+                                                         const brdffit_io_options *options,
+                                                         const brdffit_options *fit, brdffit_table **table,
+                                                         brdffit_error *error)
 {
     struct io_map map = {data, size, 1};
     struct io_bytes none = {NULL, 0, 0};
@@ -150,30 +182,37 @@ brdffit_status brdffit_io_read_sums_memory(const void *data, size_t size, const 
                                : sum_bytes(&none, data, size, &checked, fit, table, error);
 }
 
-brdffit_status brdffit_io_samples(brdffit_table *table, brdffit_error *error)
+brdffit_status brdffit_io_read_sums(const char *path, const brdffit_io_options *options, const brdffit_options *fit,
+                                    brdffit_table **table, brdffit_error *error)
 {
-    struct io_table *whole = (struct io_table *)(void *)table, *again;
-    struct io_table swap;
+    struct environment callers;
     brdffit_status status;
 
-    if (!table) {
-        return brdffit_io_fail(error, BRDFFIT_ERR_ARGUMENT, "table is NULL");
-    }
-    if (!whole->map.data && !whole->bytes.data) {
-        return BRDFFIT_OK; /* samples are what it has */
-    }
-    again = brdffit_io_table_new();
-    if (!again) {
-        return brdffit_io_no_memory(error);
-    }
-    status = brdffit_io_merl_read(whole->map.data ? whole->map.data : whole->bytes.data,
-                                  whole->map.data ? whole->map.size : whole->bytes.size, &whole->options, again, error);
-    if (status == BRDFFIT_OK) {
-        again->open.compressed = table->compressed;
-        swap = *whole;
-        *whole = *again;
-        *again = swap;
-    }
-    brdffit_io_free(&again->open);
+    brdffit_environment_enter(&callers);
+    status = read_sums(path, options, fit, table, error);
+    brdffit_environment_leave(&callers);
+    return status;
+}
+
+brdffit_status brdffit_io_read_sums_memory(const void *data, size_t size, const brdffit_io_options *options,
+                                           const brdffit_options *fit, brdffit_table **table, brdffit_error *error)
+{
+    struct environment callers;
+    brdffit_status status;
+
+    brdffit_environment_enter(&callers);
+    status = read_sums_memory(data, size, options, fit, table, error);
+    brdffit_environment_leave(&callers);
+    return status;
+}
+
+brdffit_status brdffit_io_samples(brdffit_table *table, brdffit_error *error)
+{
+    struct environment callers;
+    brdffit_status status;
+
+    brdffit_environment_enter(&callers);
+    status = samples_again(table, error);
+    brdffit_environment_leave(&callers);
     return status;
 }
