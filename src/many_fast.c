@@ -36,8 +36,12 @@
 #define MOST_NODES 64u
 /* Width of a window in theta: the error of its polynomials, about 1e-8 |I|, falls with its 8th power. */
 #define WINDOW 0.375
-/* Largest c_min s: y stays far from overflow (fit_domain.c). */
-#define MOST_EXPONENT 200.0
+/*
+ * Largest c_min s, but for the scale of b: models with finite y, all that a fit looks at (fit_domain.c), lie below,
+ * because LIMIT_EXPONENT - ln(|I| / scale_b) + ln(H) / 2 does for all data that tiles take (many_tile.c: |I| >= 1e-130).
+ * What is proven beyond does no harm.
+ */
+#define MOST_EXPONENT 1000.0
 
 int brdffit_many_fast_possible(const brdffit_options *o)
 {
@@ -204,7 +208,10 @@ int brdffit_many_fast_start(struct many_fast *f, const brdffit_samples *geometry
         return 0;
     }
     theta_high = fmin(theta_high, kernel_log(tail));
-    if (!(theta_high > theta_low && r->c_min * kernel_exp(theta_high) <= MOST_EXPONENT)) {
+    if (r->c_min > 0.0) {
+        theta_high = fmin(theta_high, kernel_log((MOST_EXPONENT + fmax(0.0, kernel_log(r->scale_b))) / r->c_min));
+    }
+    if (!(theta_high > theta_low)) {
         return 0;
     }
     f->family = family;

@@ -69,14 +69,15 @@ static double unit_of(const brdffit_plan *plan, const struct many_tile *tile, si
     return plan->fast.scale_w * (value * value);
 }
 
-/* A certified lane to a result. */
-static void keep(const brdffit_plan *plan, const struct many_tile *tile, size_t lane, struct many_result *r)
+/* A certified lane to a result; 0 when a coefficient is beyond any double, which a fit leaves out of its domain. */
+static int keep(const brdffit_plan *plan, const struct many_tile *tile, size_t lane, struct many_result *r)
 {
     const struct many_fast *f = &plan->fast;
     const struct many_outcome *out = &tile->outcome[lane];
     int none = plan->options.normalise == BRDFFIT_NORMALISE_NONE;
     double unit = unit_of(plan, tile, lane), factor = f->family->factor(f->c_min, out->s);
     size_t k;
+    int finite = 1;
 
     r->status = BRDFFIT_TEXEL_CERTIFIED;
     r->stop = out->absolute ? BRDFFIT_STOP_ABSOLUTE_GAP : BRDFFIT_STOP_RELATIVE_GAP;
@@ -94,7 +95,9 @@ static void keep(const brdffit_plan *plan, const struct many_tile *tile, size_t 
         r->x[k] = f->root_a > 0.0 ? tile->x[k * LANES + lane] / f->root_a * scale / f->scale_a : 0.0;
         r->y[k] = tile->y[k * LANES + lane] * scale / f->scale_b / factor;
         r->channel_scale[k] = none ? 1.0 : scale;
+        finite = finite && isfinite(r->x[k]) && isfinite(r->y[k]);
     }
+    return finite;
 }
 
 /* Every used value is zero. */
@@ -181,8 +184,8 @@ void brdffit_many_tile(struct many *many)
 
         if (plan->options.lobes > 1) {
             fit_two(many, l);
-        } else if (plan->kernels && many->tile.outcome[l].certified) {
-            keep(plan, &many->tile, l, r);
+        } else if (plan->kernels && many->tile.outcome[l].certified && keep(plan, &many->tile, l, r)) {
+            continue;
         } else if (plan->kernels && no_signal(&many->tile, plan->fast.channels, l)) {
             keep_nothing(plan, r);
         } else {
