@@ -64,7 +64,7 @@ LANES_INLINE OPS_TYPE OPS(exp)(OPS_TYPE x)
 {
     const OPS_TYPE shift = OPS(set)(6755399441055744.0);
     OPS_MASK low = x < OPS(set)(-708.0);
-    OPS_TYPE clipped = OPS(select)(low, OPS(set)(-708.0), x);
+    OPS_TYPE clipped = OPS(select)(low, OPS(set)(0.0), x); /* any number: -708 itself would underflow on its way */
     OPS_TYPE t = clipped * 1.4426950408889634 + shift;
     OPS_TYPE k = t - shift;
     OPS_TYPE r = (clipped - k * 6.93147180369123816490e-01) - k * 1.90821492927058770002e-10;

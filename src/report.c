@@ -313,7 +313,7 @@ static void publish(struct fit *f, const brdffit_options *o, brdffit_result *res
     }
     result->sigma_floor = f->theta_flat < f->theta_low ? INFINITY : brdffit_fit_sigma(f, f->theta_flat, o);
     result->distinct_c = f->data.distinct;
-    result->samples_used = f->data.used;
+    result->samples_used = f->data.counted;
     for (p = 0; p < BRDFFIT_SKIP_COUNT; p++) {
         result->samples_skipped[p] = f->data.skipped[p];
     }

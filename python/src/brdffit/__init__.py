@@ -1,0 +1,45 @@
+"""Certified globally optimal fits of analytic BRDF models.
+
+    import brdffit
+    fit = brdffit.fit(brdffit.Samples.example(), lobes=2)
+    print(fit)
+
+SPDX-License-Identifier: MIT
+"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ._ffi import LibraryError
+from ._version import __version__
+from .boxes import Boxes, fit_boxes
+from .errors import BrdffitError, DataError, FileError, OptionError, OutOfMemoryError, UnsupportedError
+from .fit import Fit, fit
+from .many import fit_many
+from .merl import MerlTable, load_merl
+from .options import Options
+from .progress import Progress
+from .samples import Samples, protocol84
+
+if TYPE_CHECKING:
+    from .regressor import BRDFRegressor
+
+__all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "DataError", "FileError", "Fit", "LibraryError", "MerlTable", "Options",
+           "OptionError", "OutOfMemoryError", "Progress", "Samples", "UnsupportedError", "__version__", "fit",
+           "fit_boxes", "fit_many", "library_path", "load_merl", "protocol84"]
+
+
+def library_path() -> str:
+    """The C library that is in use."""
+    from ._ffi import library
+
+    return library().path
+
+
+def __getattr__(name: str) -> Any:
+    # scikit-learn is needed by this one alone.
+    if name == "BRDFRegressor":
+        from .regressor import BRDFRegressor
+
+        return BRDFRegressor
+    raise AttributeError("module %r has no attribute %r" % (__name__, name))

@@ -1,0 +1,67 @@
+"""Numbers on their way to C and back. SPDX-License-Identifier: MIT"""
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from .errors import DataError
+
+Floats = npt.NDArray[np.float64]
+
+
+def floats(name: str, value: npt.ArrayLike) -> Floats:
+    """`value` as float64 in C order; not copied when it is that already."""
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind not in "fiub":
+            array = np.asarray(array, dtype=object).astype(np.float64)
+        return np.ascontiguousarray(array, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise DataError("%s is not an array of numbers (%s)" % (name, error), code="value") from error
+
+
+def vectors(name: str, value: npt.ArrayLike) -> Floats:
+    """... x 3."""
+    array = floats(name, value)
+    if array.ndim < 1 or array.shape[-1] != 3:
+        raise DataError("%s must have 3 components in its last dimension, not shape %s" % (name, array.shape),
+                        code="argument")
+    return array
+
+
+def column(name: str, value: npt.ArrayLike, count: int) -> Floats:
+    """`count` numbers."""
+    array = floats(name, value)
+    if array.shape != (count,):
+        raise DataError("%s must have shape (%d,), not %s" % (name, count, array.shape), code="argument")
+    return array
+
+
+Array = TypeVar("Array", bound=npt.NDArray[Any])
+
+
+def freeze(array: Array) -> Array:
+    """A view of `array` that cannot be written through; the array of the caller keeps its flags."""
+    view: Array = array.view()
+    view.flags.writeable = False
+    return view
+
+
+def from_address(address: int | None, shape: tuple[int, ...], owner: object) -> Floats | None:
+    """Doubles in the C library's memory as an array that keeps `owner` alive, without a copy."""
+    import ctypes
+
+    if not address:
+        return None
+    count = int(np.prod(shape))
+    if count == 0:
+        return np.zeros(shape)
+    memory = (ctypes.c_double * count).from_address(address)
+    memory._owner = owner  # type: ignore[attr-defined]  # an attribute of this one buffer: what frees it
+    return np.frombuffer(memoryview(memory).cast("B"), dtype=np.float64).reshape(shape)
+
+
+def address(array: Floats | None) -> int | None:
+    return None if array is None else int(array.ctypes.data)

@@ -1,0 +1,170 @@
+"""The shared library: where it is, whether it is the right one, and the types of its functions.
+
+Looked for in this order: the environment's BRDFFIT_LIBRARY (a path), the library inside this package (wheels and
+editable installations), the system's. One that was found but does not fit is an error, never a reason to look on:
+what runs must be what was asked for.
+
+SPDX-License-Identifier: MIT
+"""
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import functools
+import importlib.resources
+import os
+import pathlib
+from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
+from typing import Any
+
+from . import _structs as structs
+from ._version import __version__
+
+ENVIRONMENT = "BRDFFIT_LIBRARY"
+_LIBRARY_NAMES = ("libbrdffit.so", "libbrdffit.dylib", "brdffit.dll")
+
+
+class LibraryError(ImportError):
+    """The C library is missing or is not the one that this package was written for."""
+
+
+def _in_package() -> str | None:
+    # A package is a directory on disk or nothing can be loaded from it.
+    folder = importlib.resources.files(__package__) / "_lib"
+    for name in _LIBRARY_NAMES:
+        path = pathlib.Path(str(folder / name))
+        if path.is_file():
+            return str(path)
+    return None
+
+
+def find() -> str:
+    """Path (or system name) of the library that is to be loaded."""
+    path = os.environ.get(ENVIRONMENT) or _in_package() or ctypes.util.find_library("brdffit")
+    if path is None:
+        raise LibraryError(
+            "the C library of brdffit was found neither in this package nor on the system; install the package with "
+            "pip, or set %s to the path of libbrdffit.so" % ENVIRONMENT)
+    return path
+
+
+def _open(path: str) -> ctypes.CDLL:
+    try:
+        return ctypes.CDLL(path)
+    except OSError as error:
+        raise LibraryError("cannot load the C library of brdffit: %s" % error) from error
+
+
+def _open_io(core: ctypes.CDLL, path: str) -> ctypes.CDLL:
+    """File readers: in the same library (wheels), or in the one that lies beside it."""
+    if hasattr(core, "brdffit_io_read"):
+        return core
+    beside = path.replace("libbrdffit.", "libbrdffit_io.")
+    if beside != path and os.path.exists(beside):
+        return _open(beside)
+    name = ctypes.util.find_library("brdffit_io")
+    if name is None:
+        raise LibraryError("%s has no file readers, and libbrdffit_io is not beside it" % path)
+    return _open(name)
+
+
+_PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
+    "brdffit_version": (c_char_p, []),
+    "brdffit_status_string": (c_char_p, [c_int]),
+    "brdffit_skip_string": (c_char_p, [c_int]),
+    "brdffit_distribution_string": (c_char_p, [c_int]),
+    "brdffit_parameter_string": (c_char_p, [c_int]),
+    "brdffit_norm_string": (c_char_p, [c_int]),
+    "brdffit_engine_string": (c_char_p, [c_int]),
+    "brdffit_isa_string": (c_char_p, [c_int]),
+    "brdffit_isa_supported": (c_int, [c_int]),
+    "brdffit_stop_string": (c_char_p, [c_int]),
+    "brdffit_samples_init": (None, [c_void_p]),
+    "brdffit_options_init": (None, [c_void_p]),
+    "brdffit_workspace_size": (c_size_t, [c_size_t, c_size_t, POINTER(structs.Options)]),
+    "brdffit_fit": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), c_void_p, c_size_t,
+                            POINTER(structs.Result), POINTER(structs.Error)]),
+    "brdffit_fit_new": (c_int, [POINTER(structs.Samples), POINTER(structs.Options),
+                                POINTER(POINTER(structs.Result)), POINTER(structs.Error)]),
+    "brdffit_fit_free": (None, [POINTER(structs.Result)]),
+    "brdffit_verify_socp": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), c_double, c_void_p, c_size_t,
+                                    POINTER(structs.Reproof), POINTER(structs.Error)]),
+    "brdffit_inspect": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), POINTER(c_size_t),
+                                POINTER(c_size_t), POINTER(structs.Error)]),
+    "brdffit_eval": (c_int, [POINTER(structs.Model), POINTER(structs.Samples), c_void_p, POINTER(structs.Error)]),
+}
+_IO_PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
+    "brdffit_io_drop_string": (c_char_p, [c_int]),
+    "brdffit_io_options_init": (None, [c_void_p]),
+    "brdffit_io_read": (c_int, [c_char_p, POINTER(structs.IoOptions), POINTER(POINTER(structs.Table)),
+                                POINTER(structs.Error)]),
+    "brdffit_io_free": (None, [POINTER(structs.Table)]),
+    "brdffit_io_protocol84": (None, [c_void_p, c_void_p]),
+}
+
+
+def _declare(library: ctypes.CDLL, prototypes: dict[str, tuple[Any, list[Any]]], path: str) -> None:
+    for name, (result, arguments) in prototypes.items():
+        try:
+            function = getattr(library, name)
+        except AttributeError as error:
+            raise LibraryError("%s is not the library of brdffit %s: it has no %s" % (path, __version__, name)) from error
+        function.restype = result
+        function.argtypes = arguments
+
+
+def _check_version(core: ctypes.CDLL, path: str) -> None:
+    version = core.brdffit_version().decode()
+    if version.split(".")[:2] != __version__.split(".")[:2]:
+        raise LibraryError("%s is version %s; this package needs %s" % (path, version, __version__))
+
+
+def _check_sizes(core: ctypes.CDLL, io: ctypes.CDLL, path: str) -> None:
+    """Each init function says how large the library takes its structure to be. It writes that many bytes, so they go
+    into a buffer with room to spare."""
+    for name, structure, library in (("brdffit_samples", structs.Samples, core),
+                                     ("brdffit_options", structs.Options, core),
+                                     ("brdffit_io_options", structs.IoOptions, io)):
+        room = ctypes.create_string_buffer(ctypes.sizeof(structure) + 4096)
+        getattr(library, name + "_init")(room)
+        size = ctypes.cast(room, POINTER(c_size_t))[0]
+        if size != ctypes.sizeof(structure):
+            raise LibraryError("%s has another %s: %d bytes, not %d" % (path, name, size, ctypes.sizeof(structure)))
+
+
+class Library:
+    """The loaded library: `core` (brdffit.h) and `io` (brdffit_io.h), which may be one."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        self.core = _open(path)
+        self.io = _open_io(self.core, path)
+        _declare(self.core, _PROTOTYPES, path)
+        _declare(self.io, _IO_PROTOTYPES, path)
+        _check_version(self.core, path)
+        _check_sizes(self.core, self.io, path)
+
+    @property
+    def version(self) -> str:
+        return str(self.core.brdffit_version().decode())
+
+    def options(self) -> structs.Options:
+        out = structs.Options()
+        self.core.brdffit_options_init(byref(out))
+        return out
+
+    def samples(self) -> structs.Samples:
+        out = structs.Samples()
+        self.core.brdffit_samples_init(byref(out))
+        return out
+
+    def io_options(self) -> structs.IoOptions:
+        out = structs.IoOptions()
+        self.io.brdffit_io_options_init(byref(out))
+        return out
+
+
+@functools.lru_cache(maxsize=1)
+def library() -> Library:
+    """The library, loaded once."""
+    return Library(find())

@@ -1,0 +1,244 @@
+"""The structures and enumerations of include/brdffit.h and include/brdffit_io.h, and nothing else.
+
+Every field stands in the header's order. tests/test_layout.py compiles a C program that prints the offset of each
+field and compares; _ffi.py compares the sizes once more when it loads the library.
+
+SPDX-License-Identifier: MIT
+"""
+from __future__ import annotations
+
+import ctypes
+from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+
+MAX_LOBES = 2
+NONE = ctypes.c_size_t(-1).value  # BRDFFIT_NONE: "does not apply"
+
+# Enumerations: the position of a name is its value. Names are those of the C library's strings and of its JSON.
+STATUS = ("ok", "argument", "option", "unsupported", "workspace", "value", "no_samples", "memory", "open", "read",
+          "format")
+FORM = ("directions", "angles", "coefficients")
+QUANTITY = ("brdf", "radiance")
+SKIP = ("zero_weight", "light_below_horizon", "view_below_horizon", "incidence")
+DISTRIBUTION = ("beckmann", "ggx", "torrance-sparrow", "ward", "blinn-phong", "ashikhmin-shirley", "lafortune")
+NORM = ("l2", "l1", "linf")
+ENGINE = ("moment", "socp")
+ISA = ("auto", "base", "avx2", "avx512")
+NORMALISE = ("max", "none")
+PHASE = ("reduced", "search")
+STOP = ("relative_gap", "absolute_gap", "resolution", "rounding", "budget", "memory", "cancelled")
+DROP = ("masked", "absent", "cell_below_horizon")
+FORMAT = ("auto", "csv", "merl")
+MERL_BINS = ("edge", "centre")
+MERL_SAMPLING = ("table", "84", "directions")
+WARNINGS = ("unresolved", "flat", "unused", "at_limit")  # bits 1, 2, 4, 8
+
+
+class Error(ctypes.Structure):
+    """brdffit_error"""
+
+    _fields_ = [
+        ("status", c_int),
+        ("message", c_char_p),
+        ("sample", c_size_t),
+        ("channel", c_size_t),
+        ("line", c_size_t),
+        ("column", c_size_t),
+        ("value", c_double),
+    ]
+
+
+class Samples(ctypes.Structure):
+    """brdffit_samples; arrays as bare addresses"""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("count", c_size_t),
+        ("channels", c_size_t),
+        ("form", c_int),
+        ("quantity", c_int),
+        ("light", c_void_p),
+        ("view", c_void_p),
+        ("normal", c_void_p),
+        ("cos_light", c_void_p),
+        ("cos_view", c_void_p),
+        ("tan2_half", c_void_p),
+        ("cos_difference", c_void_p),
+        ("a", c_void_p),
+        ("b", c_void_p),
+        ("c", c_void_p),
+        ("values", c_void_p),
+        ("weights", c_void_p),
+    ]
+
+
+class Progress(ctypes.Structure):
+    """brdffit_progress"""
+
+    _fields_ = [("phase", c_int), ("boxes", c_size_t), ("e2", c_double), ("lower_bound", c_double)]
+
+
+ProgressFunction = ctypes.CFUNCTYPE(c_int, c_void_p, POINTER(Progress))
+
+
+class Box(ctypes.Structure):
+    """brdffit_box"""
+
+    _fields_ = [
+        ("sigma_low", c_double * MAX_LOBES),
+        ("sigma_high", c_double * MAX_LOBES),
+        ("lower_bound", c_double),
+        ("level", c_int),
+    ]
+
+
+BoxFunction = ctypes.CFUNCTYPE(None, c_void_p, POINTER(Box))
+
+
+class Options(ctypes.Structure):
+    """brdffit_options"""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("lobes", c_int),
+        ("distribution", c_int),
+        ("norm", c_int),
+        ("normalise", c_int),
+        ("engine", c_int),
+        ("socp_every_box", c_int),
+        ("sigma_min", c_double),
+        ("sigma_max", c_double),
+        ("exponent_min", c_double),
+        ("exponent_max", c_double),
+        ("relative_gap", c_double),
+        ("absolute_gap", c_double),
+        ("sigma_resolution", c_double),
+        ("box_budget", c_size_t),
+        ("max_incidence", c_double),
+        ("isa", c_int),
+        ("progress", ProgressFunction),
+        ("progress_user", c_void_p),
+        ("box", BoxFunction),
+        ("box_user", c_void_p),
+    ]
+
+
+class Model(ctypes.Structure):
+    """brdffit_model"""
+
+    _fields_ = [
+        ("distribution", c_int),
+        ("lobes", c_int),
+        ("channels", c_size_t),
+        ("sigma", c_double * MAX_LOBES),
+        ("x", POINTER(c_double)),
+        ("y", POINTER(c_double)),
+    ]
+
+
+class Lobe(ctypes.Structure):
+    """brdffit_lobe"""
+
+    _fields_ = [
+        ("sigma", c_double),
+        ("sigma_low", c_double),
+        ("sigma_high", c_double),
+        ("exponent", c_double),
+        ("exponent_low", c_double),
+        ("exponent_high", c_double),
+        ("weight", c_double),
+        ("effective_samples", c_double),
+        ("warnings", c_uint),
+    ]
+
+
+class Result(ctypes.Structure):
+    """brdffit_result"""
+
+    _fields_ = [
+        ("model", Model),
+        ("lobe", Lobe * MAX_LOBES),
+        ("channel_scale", POINTER(c_double)),
+        ("rms", POINTER(c_double)),
+        ("rms_total", c_double),
+        ("e2", c_double),
+        ("lower_bound", c_double),
+        ("gap", c_double),
+        ("sum_of_squares", c_double),
+        ("sigma_floor", c_double),
+        ("kkt_residual", c_double),
+        ("stop", c_int),
+        ("certified", c_int),
+        ("boxes", c_size_t),
+        ("nodes", c_size_t),
+        ("socp_solved", c_size_t),
+        ("socp_refused", c_size_t),
+        ("socp_decided", c_size_t),
+        ("distinct_c", c_size_t),
+        ("samples_used", c_size_t),
+        ("samples_skipped", c_size_t * len(SKIP)),
+    ]
+
+
+class Reproof(ctypes.Structure):
+    """brdffit_reproof"""
+
+    _fields_ = [
+        ("level", c_double),
+        ("proven", c_int),
+        ("stop", c_int),
+        ("boxes", c_size_t),
+        ("leaves", c_size_t),
+        ("solved", c_size_t),
+        ("refused", c_size_t),
+        ("decided", c_size_t),
+        ("unproven", c_double),
+    ]
+
+
+class IoOptions(ctypes.Structure):
+    """brdffit_io_options"""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("format", c_int),
+        ("quantity_set", c_int),
+        ("quantity", c_int),
+        ("merl_bins", c_int),
+        ("merl_sampling", c_int),
+        ("directions", POINTER(Samples)),
+        ("directions_only", c_int),
+    ]
+
+
+class Table(ctypes.Structure):
+    """brdffit_table"""
+
+    _fields_ = [
+        ("samples", Samples),
+        ("channel_names", POINTER(c_char_p)),
+        ("lines", POINTER(c_size_t)),
+        ("format", c_int),
+        ("compressed", c_int),
+        ("dropped", c_size_t * len(DROP)),
+        ("negative", c_size_t),
+        ("dims", c_size_t * 3),
+        ("rows", c_size_t),
+        ("merl_bins", c_int),
+        ("merl_sampling", c_int),
+    ]
+
+
+# Name in C of each structure, for the test of the layout.
+C_NAMES = {
+    "brdffit_error": Error,
+    "brdffit_samples": Samples,
+    "brdffit_progress": Progress,
+    "brdffit_box": Box,
+    "brdffit_options": Options,
+    "brdffit_model": Model,
+    "brdffit_lobe": Lobe,
+    "brdffit_result": Result,
+    "brdffit_reproof": Reproof,
+    "brdffit_io_options": IoOptions,
+    "brdffit_table": Table,
+}

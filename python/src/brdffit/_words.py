@@ -1,0 +1,220 @@
+"""A fit as plain data, as text, as HTML; its certificate in the words of the command line.
+
+SPDX-License-Identifier: MIT
+"""
+from __future__ import annotations
+
+import decimal
+import html as _html
+import math
+from typing import TYPE_CHECKING, Any, Mapping, Sequence
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .fit import Fit
+
+TITLES = {"beckmann": "Beckmann", "ggx": "GGX", "torrance-sparrow": "Torrance-Sparrow", "ward": "Ward",
+          "blinn-phong": "Blinn-Phong", "ashikhmin-shirley": "Ashikhmin-Shirley", "lafortune": "Lafortune"}
+OBJECTIVES = {"l2": "E²", "l1": "sum of absolute residuals", "linf": "maximum absolute residual"}
+SKIPPED = (("incidence", "lit from beyond %.6g°"), ("light_below_horizon", "with the light below the horizon"),
+           ("view_below_horizon", "with the viewer below the horizon"), ("zero_weight", "of weight 0"),
+           ("masked", "masked (not measured)"), ("absent", "with an empty field"),
+           ("cell_below_horizon", "cells beyond the hemisphere"))
+
+# Order of the members of `brdffit fit --json`.
+_MEMBERS = ("schema", "file", "status", "distribution", "norm", "engine", "lobes", "sigma", "exponent", "x", "y",
+            "channel_scale", "e2", "objective", "lower_bound", "gap", "rms", "rms_total", "sum_of_squares",
+            "kkt_residual", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
+            "weight", "effective_samples", "sigma_interval", "exponent_interval", "warnings", "channels", "normalise",
+            "sigma_range", "exponent_range", "relative_gap", "absolute_gap", "sigma_resolution", "box_budget",
+            "max_incidence", "format", "quantity", "merl_bins", "merl_samples", "seconds")
+_ONLY_BY_EXPONENT = ("exponent", "exponent_interval", "exponent_range")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, tuple):
+        return [_plain(v) for v in value]
+    if isinstance(value, Mapping):
+        return {k: _plain(v) for k, v in value.items()}
+    return value
+
+
+def plain(fit: Fit) -> dict[str, Any]:
+    out = {}
+    for name in _MEMBERS:
+        value = getattr(fit, name)
+        if value is None and name in _ONLY_BY_EXPONENT:
+            continue
+        out[name] = _plain(value)
+    if fit._merl_directions is not None:
+        out["merl_directions"] = fit._merl_directions.tolist()
+    return out
+
+
+# ---- Numbers in words ------------------------------------------------------
+
+
+def directed(value: float, digits: int, up: bool) -> str:
+    """`value` with `digits` significant digits, rounded so that what is claimed stays true."""
+    if value == 0 or not math.isfinite(value):
+        return "%g" % value
+    rounding = decimal.ROUND_CEILING if up else decimal.ROUND_FLOOR
+    context = decimal.Context(prec=digits, rounding=rounding)
+    return "%.*g" % (digits, context.create_decimal(decimal.Decimal(value)))
+
+
+def parameter(fit: Fit) -> str:
+    return "σ" if fit.exponent is None else "n"
+
+
+def lobes_word(fit: Fit) -> str:
+    return "%d lobe%s" % (fit.lobes, "" if fit.lobes == 1 else "s")
+
+
+def _family(fit: Fit) -> str:
+    low, high = fit.sigma_range if fit.exponent_range is None else fit.exponent_range
+    return "%s fit with %s and %s in [%.6g, %.6g]" % (TITLES[fit.distribution], lobes_word(fit), parameter(fit), low,
+                                                     high)
+
+
+def _digits(low: float, high: float) -> int:
+    """Digits that show the two apart, and at least five."""
+    if not (low > 0 and high > low):
+        return 6
+    return int(min(17, max(5, 2 - math.floor(math.log10(high / low - 1)))))
+
+
+def above(fit: Fit) -> str:
+    if not fit.lower_bound > 0:
+        return ""
+    share = 100 * (fit.e2 / fit.lower_bound - 1)
+    return " (%s %% above)" % directed(share, 2, True) if share > 0 else " (the same to rounding)"
+
+
+_STOPS = {"resolution": "every box left is narrower than sigma_resolution",
+          "rounding": "the boxes left cannot be split further in double precision",
+          "budget": "the box budget was used up", "memory": "its table of values was full",
+          "cancelled": "it was interrupted"}
+
+
+def certificate(fit: Fit) -> str:
+    what = OBJECTIVES[fit.norm]
+    a, its = ("", "") if fit.norm == "l2" else ("a ", "its ")
+    n = _digits(fit.lower_bound, fit.e2)
+    low, high = directed(fit.lower_bound, n, False), directed(fit.e2, n, True)
+    if not fit.certified:
+        return "NOT proven: the search stopped because %s. The smallest %s of any %s lies between %s and this fit's %s%s." % (
+            _STOPS.get(fit.stop, fit.stop), what, _family(fit), low, high, above(fit))
+    if not fit.e2 > 0:
+        return "Proven: this fit is exact, %s%s is 0." % (its, what)
+    if fit.stop == "absolute_gap" and fit.sum_of_squares > 0:
+        share = fit.gap / fit.sum_of_squares
+        tiny = fit.e2 <= (1e-20 if fit.norm == "l2" else 1e-12) * fit.sum_of_squares
+        data = "sum of squares" if fit.norm == "l2" else "own"
+        more = "" if not share > 0 else "; no %s can lower it by more than %s of that" % (
+            _family(fit), directed(share, 2, True))
+        return "Proven: %s%s is %s, the data's %s %.6g%s%s." % (
+            "" if fit.norm == "l2" else "the ", what, directed(fit.e2, 3, True), data, fit.sum_of_squares,
+            ": zero to rounding" if tiny else "", more)
+    return "Proven: no %s has %s%s below %s; this one has %s%s." % (_family(fit), a, what, low, high, above(fit))
+
+
+def warnings(fit: Fit) -> list[str]:
+    """A sentence for each warning of each lobe; of an unused lobe only that."""
+    return ["Warning, lobe %d: %s" % (p + 1, _warning(fit, p, word)) for p, words in enumerate(fit.warnings)
+            for word in words if word == "unused" or "unused" not in words]
+
+
+def _warning(fit: Fit, p: int, word: str) -> str:
+    name = parameter(fit)
+    values, interval, limits = (fit.sigma, fit.sigma_interval, fit.sigma_range)
+    if fit.exponent is not None and fit.exponent_interval is not None and fit.exponent_range is not None:
+        values, interval, limits = fit.exponent, fit.exponent_interval, fit.exponent_range
+    if word == "unresolved":
+        return ("rests on no more than %s effective samples: these directions do not resolve it, and it is a fit to "
+                "single samples." % directed(float(fit.effective_samples[p]), 2, True))
+    if word == "flat":
+        return "the data cannot tell %s inside [%.6g, %.6g]: any value there fits as well." % (name, *interval[p])
+    if word == "unused":
+        return "its coefficient is 0 in every channel: %s." % (
+            "the data show no such lobe" if fit.lobes == 1 else "one lobe fewer fits as well")
+    if word == "at_limit":
+        lower = values[p] - limits[0] < limits[1] - values[p]
+        return "%s sits on the %s end of the range searched; widen it." % (name, "lower" if lower else "upper")
+    return word
+
+
+def skipped(fit: Fit) -> str:
+    """ "40 lit from beyond 60°, 2 of weight 0"; "" when every sample was used."""
+    out = []
+    for reason, words in SKIPPED:
+        count = (fit.samples_skipped or {}).get(reason, 0)
+        if count:
+            out.append("%s %s" % (format(count, ","), words % fit.max_incidence if "%" in words else words))
+    return ", ".join(out)
+
+
+# ---- Tables ----------------------------------------------------------------
+
+
+def title(fit: Fit) -> str:
+    name = "" if fit.file is None else "%s: " % fit.file
+    return "%s%s fit with %s, %s samples used" % (name, TITLES[fit.distribution], lobes_word(fit),
+                                                  format(fit.samples_used, ","))
+
+
+def lobe_table(fit: Fit) -> list[list[str]]:
+    values = fit.sigma if fit.exponent is None else fit.exponent
+    rows = [["lobe", parameter(fit), "share w", "effective samples"]]
+    for p in range(fit.lobes):
+        rows.append([str(p + 1), "%.8g" % values[p], "%.1f %%" % (100 * fit.weight[p]),
+                     "%.1f" % fit.effective_samples[p]])
+    return rows
+
+
+def channel_table(fit: Fit) -> list[list[str]]:
+    rows = [["channel", "diffuse x", *("lobe %d y" % (p + 1) for p in range(fit.lobes)), "RMS", "of max"]]
+    for k, name in enumerate(fit.channels):
+        share = "%.3g %%" % (100 * fit.rms[k] / fit.channel_scale[k]) if fit.normalise == "max" else ""
+        rows.append([name, "%.5g" % fit.x[k], *("%.5g" % y for y in fit.y[k]), "%.3g" % fit.rms[k], share])
+    return rows
+
+
+def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    return ["  " + "   ".join([row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:]))]).rstrip()
+            for row in rows]
+
+
+def text(fit: Fit) -> str:
+    import textwrap
+
+    lines = [title(fit)]
+    if skipped(fit):
+        lines.append("  Skipped: " + skipped(fit))
+    lines += ["", *_columns(lobe_table(fit)), "", *_columns(channel_table(fit)), ""]
+    for paragraph in (certificate(fit), *warnings(fit)):
+        lines += textwrap.wrap(paragraph, 79, initial_indent="  ", subsequent_indent="  ")
+    return "\n".join(lines)
+
+
+def html_table(rows: Sequence[Sequence[str]]) -> str:
+    """First row: heads; first column: heads of rows."""
+    head = "".join("<th scope='col'>%s</th>" % _html.escape(cell) for cell in rows[0])
+    body = "".join("<tr><th scope='row'>%s</th>%s</tr>" % (
+        _html.escape(row[0]), "".join("<td>%s</td>" % _html.escape(cell) for cell in row[1:])) for row in rows[1:])
+    return "<table><thead><tr>%s</tr></thead><tbody>%s</tbody></table>" % (head, body)
+
+
+def html(fit: Fit) -> str:
+    parts = ["<p><b>%s</b></p>" % _html.escape(title(fit))]
+    if skipped(fit):
+        parts.append("<p>Skipped: %s</p>" % _html.escape(skipped(fit)))
+    parts += [html_table(lobe_table(fit)), html_table(channel_table(fit))]
+    parts += ["<p>%s</p>" % _html.escape(paragraph) for paragraph in (certificate(fit), *warnings(fit))]
+    return "<div class='brdffit'>%s</div>" % "".join(parts)

@@ -1,0 +1,66 @@
+"""The boxes of a search: its proof, to look at. SPDX-License-Identifier: MIT"""
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._arrays import Floats, freeze
+from .fit import Fit, SamplesLike, run
+from .options import FitOptions, Options
+from .samples import Samples
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Boxes:
+    """Every box that a search bounded, in its order: those that a box was split into come after it.
+
+    sigma_low, sigma_high: N x P sides (of two lobes, sigma ascending; equal sides stand for the half below the diagonal)
+    lower_bound: N, proven: no model with its roughness in the box has a smaller e2
+    level: N, how often it was halved
+    """
+
+    sigma_low: Floats
+    sigma_high: Floats
+    lower_bound: Floats
+    level: npt.NDArray[np.intc]
+
+    def __len__(self) -> int:
+        return len(self.lower_bound)
+
+    def bound_at(self, *sigma: npt.ArrayLike) -> Floats:
+        """The proven lower bound of e2 at roughness (of two lobes: at each pair, in any order): that of the smallest box
+        around it. -inf outside of the range searched."""
+        points = [np.asarray(s, dtype=np.float64) for s in np.broadcast_arrays(*sigma)]
+        if len(points) != self.sigma_low.shape[1]:
+            raise TypeError("one sigma for each lobe")
+        stacked = np.sort(np.stack(points), axis=0)
+        shape = stacked.shape[1:]
+        flat = stacked.reshape(len(points), -1)
+        out = np.full(flat.shape[1], -np.inf)
+        for low, high, bound in zip(self.sigma_low, self.sigma_high, self.lower_bound):
+            # A box and what it was split into are nested, so that the largest bound around a point holds.
+            inside = np.all((flat >= low[:, None]) & (flat <= high[:, None]), axis=0)
+            out[inside] = np.maximum(out[inside], bound)
+        return out.reshape(shape)
+
+
+def fit_boxes(samples: SamplesLike, **options: Unpack[FitOptions]) -> tuple[Fit, Boxes]:
+    """The fit and every box of its search."""
+    data = samples if isinstance(samples, Samples) else Samples.from_file(samples)
+    asked = Options(**options)
+    rows: list[tuple[float, ...]] = []
+
+    def receive(user: object, box: Any) -> None:
+        b = box.contents
+        rows.append((b.sigma_low[0], b.sigma_low[1], b.sigma_high[0], b.sigma_high[1], b.lower_bound, b.level))
+
+    fit = run(data, asked, None, None, {}, receive)
+    table = np.array(rows).reshape(-1, 6)
+    return fit, Boxes(freeze(table[:, :fit.lobes].copy()), freeze(table[:, 2:2 + fit.lobes].copy()),
+                      freeze(table[:, 4].copy()), freeze(table[:, 5].astype(np.intc)))

@@ -1,0 +1,317 @@
+"""One fit: the call, and its result. SPDX-License-Identifier: MIT"""
+from __future__ import annotations
+
+import ctypes
+import dataclasses
+import json
+import os
+import time
+from ctypes import POINTER, byref
+from typing import Any, Callable, Mapping, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _structs as structs
+from . import _words
+from ._arrays import Floats, address, floats, freeze, vectors
+from ._ffi import library
+from .errors import DataError, OptionError, from_struct
+from .options import BY_EXPONENT, Options
+from .progress import Observer, ProgressArgument
+from .samples import Samples, choose
+
+SCHEMA = "brdffit.fit/1"
+SamplesLike = Union[Samples, str, "os.PathLike[str]"]
+
+_ARRAY_FIELDS = ("sigma", "exponent", "x", "y", "channel_scale", "rms", "weight", "effective_samples",
+                 "sigma_interval", "exponent_interval", "_merl_directions")
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Fit:
+    """A fitted model and its certificate. Attribute names are those of `brdffit fit --json`.
+
+    status: "certified", or "gap_open" when the search stopped before its gap closed (the fit and its bound are valid
+        all the same); stop: why it stopped
+    sigma: P roughnesses, ascending; exponent: P exponents n where the distribution is known by them, else None
+    x: K diffuse coefficients; y: K x P specular ones, in the data's units (the paper's scaling, see brdffit.h)
+    e2, objective: what the norm minimises, in units of channel_scale (K divisors)
+    lower_bound: proven: no model of this form with sigma in sigma_range has less; gap: e2 - lower_bound
+    rms: K root mean square radiance residuals, the data's units; rms_total: of all, in units of channel_scale
+    weight: share of each lobe; effective_samples: how many samples it rests on
+    sigma_interval: P x 2, where E^2 is the optimum's to rounding; warnings: per lobe, of "unresolved", "flat",
+        "unused", "at_limit"
+    samples_used, samples_skipped: how many, and by reason
+    seconds: read (when it was a file), reduce (where it was told apart), search; None in fits of fit_many, which are
+        not timed one by one
+    """
+
+    status: str
+    distribution: str
+    norm: str
+    engine: str | None
+    lobes: int
+    sigma: Floats
+    exponent: Floats | None
+    x: Floats
+    y: Floats
+    channel_scale: Floats
+    e2: float
+    lower_bound: float
+    gap: float
+    rms: Floats
+    rms_total: float
+    sum_of_squares: float
+    kkt_residual: float
+    samples_used: int
+    samples_skipped: Mapping[str, int]
+    boxes: int
+    nodes: int
+    socp: Mapping[str, int] | None
+    verify: Mapping[str, Any] | None
+    distinct_c: int
+    stop: str
+    weight: Floats
+    effective_samples: Floats
+    sigma_interval: Floats
+    exponent_interval: Floats | None
+    warnings: tuple[tuple[str, ...], ...]
+    channels: tuple[str, ...]
+    normalise: str
+    sigma_range: tuple[float, float]
+    exponent_range: tuple[float, float] | None
+    relative_gap: float
+    absolute_gap: float
+    sigma_resolution: float
+    box_budget: int
+    max_incidence: float
+    format: str | None
+    quantity: str
+    merl_bins: str | None
+    merl_samples: str | None
+    seconds: Mapping[str, float] | None
+    file: str | None = None
+    schema: str = SCHEMA
+    _merl_directions: Floats | None = None
+
+    @property
+    def certified(self) -> bool:
+        """Whether optimality is proven to the gap that was asked for."""
+        return self.status == "certified"
+
+    @property
+    def objective(self) -> float:
+        """What the norm minimises: e2 under a name that fits every norm."""
+        return self.e2
+
+    @property
+    def certificate(self) -> str:
+        """What is proven, in words."""
+        return _words.certificate(self)
+
+    # ---- Evaluate
+
+    def predict(self, light: npt.ArrayLike, view: npt.ArrayLike, *, normal: npt.ArrayLike | None = None,
+                quantity: str | None = None) -> Floats:
+        """The model at directions ... x 3 (broadcast against each other): ... x K, in the fit's quantity or the one
+        that is named ("brdf" or "radiance"). 0 on and below the horizon."""
+        directions = [vectors("light", light), vectors("view", view)]
+        if normal is not None:
+            directions.append(vectors("normal", normal))
+        spread = np.broadcast_arrays(*directions)
+        flat = [np.ascontiguousarray(d.reshape(-1, 3)) for d in spread]
+        at = library().samples()
+        at.count, at.form = len(flat[0]), structs.FORM.index("directions")
+        for name, array in zip(("light", "view", "normal"), flat):
+            setattr(at, name, address(array))
+        out = self._evaluate(at, quantity)
+        return out.reshape(*spread[0].shape[:-1], len(self.channels))
+
+    def predict_samples(self, samples: Samples, *, quantity: str | None = None) -> Floats:
+        """The model at the samples' own places, N x K: any form of samples."""
+        return self._evaluate(samples._struct(), quantity or samples.quantity)
+
+    def _evaluate(self, at: structs.Samples, quantity: str | None) -> Floats:
+        ffi = library()
+        at.quantity = choose("quantity", self.quantity if quantity is None else quantity, structs.QUANTITY)
+        x, y = floats("x", self.x), floats("y", self.y)
+        model = structs.Model(distribution=structs.DISTRIBUTION.index(self.distribution), lobes=self.lobes,
+                              channels=len(x))
+        model.sigma[:self.lobes] = list(self.sigma)
+        model.x = ctypes.cast(x.ctypes.data, POINTER(ctypes.c_double))
+        model.y = ctypes.cast(y.ctypes.data, POINTER(ctypes.c_double))
+        out = np.zeros((at.count, len(x)))
+        error = structs.Error()
+        if ffi.core.brdffit_eval(byref(model), byref(at), out.ctypes.data, byref(error)) != 0:
+            raise from_struct(error, channels=self.channels)
+        return out
+
+    # ---- Show
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers, strings and lists: the JSON of the command line, member for member."""
+        return _words.plain(self)
+
+    def to_json(self) -> str:
+        """One line as of `brdffit fit --json`, 17 digits; `brdffit eval` takes it."""
+        return json.dumps(self.to_dict(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+    @classmethod
+    def from_dict(cls, line: Mapping[str, Any]) -> Fit:
+        """Of an object that `to_dict` or the command line wrote."""
+        if line.get("schema") != SCHEMA:
+            raise DataError("this is not a fit of schema %s" % SCHEMA, code="format")
+        if line.get("status") == "error":
+            raise DataError("this fit failed: %s" % line.get("error", {}).get("message", "no reason given"),
+                            code="format")
+        given = dict(line)
+        given["_merl_directions"] = given.pop("merl_directions", None)
+        given["warnings"] = tuple(tuple(words) for words in given.get("warnings", ()))
+        names = {field.name for field in dataclasses.fields(cls)}
+        members: dict[str, Any] = {name: given.get(name) for name in names}
+        for name in _ARRAY_FIELDS:
+            if members[name] is not None:
+                members[name] = freeze(floats(name, members[name]))
+        for name in ("channels", "sigma_range", "exponent_range"):
+            if members[name] is not None:
+                members[name] = tuple(members[name])
+        missing = sorted(n for n in ("sigma", "x", "y", "channels", "distribution") if members[n] is None)
+        if missing:
+            raise DataError("this fit has no %s" % ", ".join(missing), code="format")
+        return cls(**members)
+
+    @classmethod
+    def from_json(cls, text: str) -> Fit:
+        """Of one line."""
+        try:
+            line = json.loads(text)
+        except ValueError as error:
+            raise DataError("this is not JSON (%s)" % error, code="format") from error
+        if not isinstance(line, dict):
+            raise DataError("this is not a JSON object", code="format")
+        return cls.from_dict(line)
+
+    def __repr__(self) -> str:
+        return _words.text(self)
+
+    def _repr_html_(self) -> str:
+        return _words.html(self)
+
+
+def fit(samples: SamplesLike, *, lobes: int = 1, distribution: str = "beckmann", norm: str = "l2",
+        engine: str = "moment", normalise: str = "max", sigma_range: tuple[float, float] = (1e-12, 6.0),
+        exponent_range: tuple[float, float] = (0.1, 1e7), relative_gap: float = 1e-3, absolute_gap: float = 1e-12,
+        sigma_resolution: float = 0.0, box_budget: int = 1_000_000, max_incidence: float = 60.0,
+        socp_every_box: bool = False, isa: str = "auto", verify: float | None = None,
+        progress: ProgressArgument = None) -> Fit:
+    """Fit a model to samples (or to a file of them) and prove how close to the best it is.
+
+    Options are explained at `Options`.
+
+    verify: prove the bound again with engine socp, less this margin (0.1: 10 %): `Fit.verify` says what came of it
+    progress: called with a `Progress` every 256 boxes, a true return value stops the search (the fit is valid all
+        the same); True shows a bar (tqdm's, when it is installed). An exception in it ends the call, as Ctrl-C does.
+
+    Raises a `BrdffitError`. A search that stops early is not an error: see `Fit.status`. Thread-safe, and threads run
+    at the same time; the result has the same bits in each.
+    """
+    options = Options(lobes, distribution, norm, engine, normalise, sigma_range, exponent_range, relative_gap,
+                      absolute_gap, sigma_resolution, box_budget, max_incidence, socp_every_box, isa)
+    began = time.perf_counter()
+    data = samples if isinstance(samples, Samples) else Samples.from_file(samples)
+    read = {} if data is samples else {"read": time.perf_counter() - began}
+    return run(data, options, verify, progress, read)
+
+
+def run(samples: Samples, options: Options, verify: float | None, progress: ProgressArgument,
+        read: Mapping[str, float], box: Callable[[object, Any], None] | None = None) -> Fit:
+    """The fit itself: one call of brdffit_fit_new, and its result in Python's own memory."""
+    ffi = library()
+    c_options, c_samples = options._struct(), samples._struct()
+    observer = Observer(progress)
+    observer.attach(c_options)
+    if box is not None:
+        box_function = structs.BoxFunction(box)  # alive until the call returns
+        c_options.box = box_function
+    result = POINTER(structs.Result)()
+    error = structs.Error()
+    began = time.perf_counter()
+    try:
+        with observer:
+            status = ffi.core.brdffit_fit_new(byref(c_samples), byref(c_options), byref(result), byref(error))
+            ended = time.perf_counter()
+        if status != 0:
+            raise from_struct(error, path=samples.file, channels=samples.channels, lines=samples.lines)
+        proof = None if verify is None else _verify(samples, options, result.contents, verify)
+        return convert(result.contents, samples, options, proof, {**read, **observer.seconds(began, ended)})
+    finally:
+        ffi.core.brdffit_fit_free(result)
+
+
+def _verify(samples: Samples, options: Options, result: structs.Result, margin: float) -> dict[str, Any]:
+    if not 0 <= margin < 1:
+        raise OptionError("verify must be a margin in [0, 1), not %r" % (margin,), code="option")
+    ffi = library()
+    c_options = options.replace(engine="socp")._struct()
+    c_samples = samples._struct()
+    size = ffi.core.brdffit_workspace_size(c_samples.count, c_samples.channels, byref(c_options))
+    workspace = np.empty(size, np.uint8)  # its pages exist once they are touched
+    reproof, error = structs.Reproof(), structs.Error()
+    began = time.perf_counter()
+    if ffi.core.brdffit_verify_socp(byref(c_samples), byref(c_options), result.lower_bound * (1 - margin),
+                                    workspace.ctypes.data, size, byref(reproof), byref(error)) != 0:
+        raise from_struct(error, path=samples.file)
+    proven = bool(reproof.proven)
+    return {"engine": "socp", "level": reproof.level, "proven": proven, "unproven": reproof.unproven,
+            "stop": None if proven else structs.STOP[reproof.stop], "boxes": int(reproof.boxes),
+            "leaves": int(reproof.leaves), "solved": int(reproof.solved), "refused": int(reproof.refused),
+            "decided": int(reproof.decided), "seconds": time.perf_counter() - began}
+
+
+def _copy(pointer: Any, shape: tuple[int, ...]) -> Floats:
+    return freeze(np.ctypeslib.as_array(pointer, shape).copy())
+
+
+def _lobe_array(result: structs.Result, lobes: int, *names: str) -> Floats:
+    rows = [[float(getattr(result.lobe[p], name)) for name in names] for p in range(lobes)]
+    array = np.array(rows)
+    return freeze(array[:, 0].copy() if len(names) == 1 else array)
+
+
+def convert(r: structs.Result, samples: Samples, options: Options, proof: Mapping[str, Any] | None,
+            seconds: Mapping[str, float] | None) -> Fit:
+    """A brdffit_result as a Fit that owns its memory."""
+    lobes, channels = int(r.model.lobes), int(r.model.channels)
+    by_exponent = options.distribution in BY_EXPONENT
+    skipped = {reason: int(r.samples_skipped[i]) for i, reason in enumerate(structs.SKIP)}
+    skipped.update({reason: int(samples.dropped.get(reason, 0)) for reason in structs.DROP})
+    warned = tuple(tuple(word for bit, word in enumerate(structs.WARNINGS) if r.lobe[p].warnings >> bit & 1)
+                   for p in range(lobes))
+    return Fit(
+        status="certified" if r.certified else "gap_open", distribution=options.distribution, norm=options.norm,
+        engine=options.engine if options.norm == "l2" else None, lobes=lobes,
+        sigma=freeze(np.array(r.model.sigma[:lobes])),
+        exponent=_lobe_array(r, lobes, "exponent") if by_exponent else None,
+        x=_copy(r.model.x, (channels,)), y=_copy(r.model.y, (channels, lobes)),
+        channel_scale=_copy(r.channel_scale, (channels,)), e2=float(r.e2), lower_bound=float(r.lower_bound),
+        gap=float(r.gap), rms=_copy(r.rms, (channels,)), rms_total=float(r.rms_total),
+        sum_of_squares=float(r.sum_of_squares), kkt_residual=float(r.kkt_residual),
+        samples_used=int(r.samples_used), samples_skipped=skipped, boxes=int(r.boxes), nodes=int(r.nodes),
+        socp=_socp(r), verify=proof, distinct_c=int(r.distinct_c), stop=structs.STOP[r.stop],
+        weight=_lobe_array(r, lobes, "weight"), effective_samples=_lobe_array(r, lobes, "effective_samples"),
+        sigma_interval=_lobe_array(r, lobes, "sigma_low", "sigma_high"),
+        exponent_interval=_lobe_array(r, lobes, "exponent_low", "exponent_high") if by_exponent else None,
+        warnings=warned, channels=samples.channels, normalise=options.normalise,
+        sigma_range=options.sigma_searched, exponent_range=options.exponent_range if by_exponent else None,
+        relative_gap=options.relative_gap, absolute_gap=options.absolute_gap,
+        sigma_resolution=options.sigma_resolution, box_budget=options.box_budget,
+        max_incidence=options.max_incidence, format=samples.format, quantity=samples.quantity,
+        merl_bins=samples.merl_bins, merl_samples=samples.merl_samples, seconds=seconds, file=samples.file,
+        _merl_directions=samples._merl_directions)
+
+
+def _socp(r: structs.Result) -> dict[str, int] | None:
+    if r.socp_solved + r.socp_decided == 0:
+        return None
+    return {"solved": int(r.socp_solved), "refused": int(r.socp_refused), "decided": int(r.socp_decided)}

@@ -1,0 +1,55 @@
+"""Many fits at once. SPDX-License-Identifier: MIT"""
+from __future__ import annotations
+
+import concurrent.futures
+import os
+from typing import TYPE_CHECKING, Iterable
+
+from .errors import BrdffitError
+from .fit import Fit, SamplesLike, run
+from .options import FitOptions, Options
+from .progress import Bar
+from .samples import Samples
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+def fit_many(samples: Iterable[SamplesLike], *, threads: int | None = None, errors: str = "raise",
+             progress: bool = False, **options: Unpack[FitOptions]) -> list[Fit | BrdffitError]:
+    """Fit each of many samples (or files) with the same options, in the order given.
+
+    threads: how many at a time; None: as many as there are processors. The fits have the same bits as one by one.
+    errors: "raise" the first one, or "return" the exception in the place of its fit
+    progress: show a bar
+    """
+    if errors not in ("raise", "return"):
+        raise ValueError('errors must be "raise" or "return", not %r' % (errors,))
+    asked = Options(**options)
+    asked._struct()  # wrong options fail here, once
+    items = list(samples)
+
+    def one(item: SamplesLike) -> Fit | BrdffitError:
+        try:
+            return run(item if isinstance(item, Samples) else Samples.from_file(item), asked, None, None, {})
+        except BrdffitError as error:
+            if errors == "raise":
+                raise
+            return error
+
+    out: list[Fit | BrdffitError] = []
+    bar = Bar(len(items), "fit") if progress else None
+    workers = max(1, min(len(items), threads or os.cpu_count() or 1))
+    with concurrent.futures.ThreadPoolExecutor(workers) as pool:
+        try:
+            for done, fit in enumerate(pool.map(one, items), 1):
+                out.append(fit)
+                if bar is not None:
+                    bar.update(done)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+        finally:
+            if bar is not None:
+                bar.close()
+    return out

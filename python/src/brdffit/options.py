@@ -1,0 +1,127 @@
+"""What a fit is asked for. SPDX-License-Identifier: MIT"""
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING, TypedDict
+
+from . import _structs as structs
+from ._ffi import library
+from .errors import OptionError
+from .samples import choose
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+BY_EXPONENT = ("blinn-phong", "ashikhmin-shirley", "lafortune")
+
+
+class FitOptions(TypedDict, total=False):
+    """Keyword arguments that `fit` and its relatives share; `Options` explains them."""
+
+    lobes: int
+    distribution: str
+    norm: str
+    engine: str
+    normalise: str
+    sigma_range: tuple[float, float]
+    exponent_range: tuple[float, float]
+    relative_gap: float
+    absolute_gap: float
+    sigma_resolution: float
+    box_budget: int
+    max_incidence: float
+    socp_every_box: bool
+    isa: str
+
+
+@dataclasses.dataclass(frozen=True)
+class Options:
+    """What a fit is asked for; the defaults are those of the C library.
+
+    lobes: 1 or 2, beside the diffuse term
+    distribution: "beckmann", "ggx", "torrance-sparrow", "ward", and by exponent "blinn-phong", "ashikhmin-shirley",
+        "lafortune"
+    norm: "l2", "l1" (robust to gross outliers) or "linf"; the last two need ECOS
+    engine: "moment", or "socp": the paper's feasibility problem (needs ECOS); of norm l2
+    normalise: "max" divides each channel by its largest radiance, "none" does not
+    sigma_range, exponent_range: where the search looks, and where the proof holds
+    relative_gap: the search stops when E^2 <= (1 + gap) lower bound
+    absolute_gap: or when E^2 - lower bound is at most this share of the data's sum of squares
+    sigma_resolution: boxes narrower than this are not split; 0: off
+    box_budget: most boxes to bound
+    max_incidence: degrees; light further from the normal is skipped. 90: all above the horizon
+    socp_every_box: send every box to ECOS, as the paper does
+    isa: "auto", "base", "avx2" or "avx512"; the results have the same bits
+    """
+
+    lobes: int = 1
+    distribution: str = "beckmann"
+    norm: str = "l2"
+    engine: str = "moment"
+    normalise: str = "max"
+    sigma_range: tuple[float, float] = (1e-12, 6.0)
+    exponent_range: tuple[float, float] = (0.1, 1e7)
+    relative_gap: float = 1e-3
+    absolute_gap: float = 1e-12
+    sigma_resolution: float = 0.0
+    box_budget: int = 1_000_000
+    max_incidence: float = 60.0
+    socp_every_box: bool = False
+    isa: str = "auto"
+
+    @property
+    def by_exponent(self) -> bool:
+        """Whether the distribution is known by its exponent n; sigma is 1/sqrt(n) then."""
+        return self.distribution in BY_EXPONENT
+
+    @property
+    def sigma_searched(self) -> tuple[float, float]:
+        """The range of sigma that the search covers, whichever way it was given."""
+        if self.by_exponent:
+            return 1 / math.sqrt(self.exponent_range[1]), 1 / math.sqrt(self.exponent_range[0])
+        return self.sigma_range
+
+    def replace(self, **changes: object) -> Self:
+        return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
+
+    def _struct(self) -> structs.Options:
+        out = library().options()
+        out.lobes = _integer("lobes", self.lobes, 2**31)
+        out.distribution = choose("distribution", self.distribution, structs.DISTRIBUTION)
+        out.norm = choose("norm", self.norm, structs.NORM)
+        out.engine = choose("engine", self.engine, structs.ENGINE)
+        out.normalise = choose("normalise", self.normalise, structs.NORMALISE)
+        out.isa = choose("isa", self.isa, structs.ISA)
+        out.sigma_min, out.sigma_max = _pair("sigma_range", self.sigma_range)
+        out.exponent_min, out.exponent_max = _pair("exponent_range", self.exponent_range)
+        for name in ("relative_gap", "absolute_gap", "sigma_resolution", "max_incidence"):
+            setattr(out, name, _number(name, getattr(self, name)))
+        out.box_budget = _integer("box_budget", self.box_budget, 2**63)
+        out.socp_every_box = int(bool(self.socp_every_box))
+        return out
+
+
+def _number(name: str, value: float) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError) as error:
+        raise OptionError("%s must be a number, not %r" % (name, value), code="option") from error
+
+
+def _integer(name: str, value: int, limit: int) -> int:
+    try:
+        number = int(value)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise OptionError("%s must be a whole number, not %r" % (name, value), code="option") from error
+    if number != value or not 0 <= number < limit:
+        raise OptionError("%s must be a whole number of at least 0, not %r" % (name, value), code="option")
+    return number
+
+
+def _pair(name: str, value: tuple[float, float]) -> tuple[float, float]:
+    try:
+        low, high = value
+    except (TypeError, ValueError) as error:
+        raise OptionError("%s must be a pair (low, high), not %r" % (name, value), code="option") from error
+    return _number(name, low), _number(name, high)

@@ -1,0 +1,145 @@
+"""brdffit report FILE...: pages that show a fit, its proof and its residuals.
+
+SPDX-License-Identifier: MIT
+"""
+from __future__ import annotations
+
+import argparse
+import os
+import pathlib
+import re
+import sys
+import tempfile
+from typing import Any, Sequence
+from urllib.parse import quote
+
+from .._version import __version__
+from ..errors import BrdffitError, FileError
+from ..options import Options
+from ..progress import Bar
+from ..samples import Samples
+from .. import _structs as structs
+from ._analysis import Material, measure
+from ._page import index_page, material_page
+
+__all__ = ["Material", "main", "measure", "page"]
+
+CERTIFIED, FAILURE, USAGE, DATA, OPEN = 0, 1, 2, 3, 4
+
+
+def page(samples: Samples, name: str, *, lobes: int = 2, index: str | None = None, **options: Any) -> str:
+    """One material's page as HTML that needs no other file."""
+    return material_page(measure(name, samples, options, lobes), index)
+
+
+def _parser() -> argparse.ArgumentParser:
+    defaults = Options()
+    p = argparse.ArgumentParser(
+        prog="brdffit report", description="Fit materials and write HTML pages that show the fits, their proofs and their "
+        "residuals: one page a material, and an index. The pages need no other file.",
+        epilog="Exit status: 0 every fit is certified, 4 a search stopped before its gap closed, 1 a file or page cannot be "
+        "read or written, 2 wrong usage, 3 data that cannot be used.")
+    p.add_argument("files", nargs="+", metavar="FILE", help="CSV, TSV or MERL .binary, also .gz")
+    p.add_argument("-o", "--output", default="brdffit-report", metavar="DIR", help="where the pages go (%(default)s)")
+    p.add_argument("--lobes", type=int, choices=(1, 2), default=2, help="the fit that is shown in detail (%(default)s)")
+    p.add_argument("--distribution", choices=structs.DISTRIBUTION, default=defaults.distribution)
+    p.add_argument("--gap", type=float, default=defaults.relative_gap, metavar="G", help="relative gap on E² (%(default)s)")
+    p.add_argument("--max-incidence", default=defaults.max_incidence, metavar="DEG", type=_degrees,
+                   help="skip light further from the normal; off: use all (%(default)s)")
+    p.add_argument("--merl-samples", choices=("84", "table"), default="84",
+                   help="which of a MERL table is fitted (%(default)s); spheres always show all of it")
+    p.add_argument("--merl-bins", choices=structs.MERL_BINS, default="edge")
+    p.add_argument("--values", choices=structs.QUANTITY, help="what a CSV holds")
+    p.add_argument("--box-budget", type=int, default=defaults.box_budget, metavar="N")
+    p.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
+    p.add_argument("--version", action="version", version="brdffit-report " + __version__)
+    return p
+
+
+def _degrees(text: str) -> float:
+    return 90.0 if text == "off" else float(text)
+
+
+def _read(path: str, arguments: argparse.Namespace) -> Samples:
+    samples = Samples.from_file(path)
+    if samples.format == "merl":
+        return Samples.from_merl(path, samples=arguments.merl_samples, bins=arguments.merl_bins)
+    return samples if arguments.values is None else Samples.from_csv(path, quantity=arguments.values)
+
+
+def _write(path: pathlib.Path, text: str) -> None:
+    """Whole or not at all."""
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=".brdffit-")
+    try:
+        with open(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.chmod(name, 0o666 & ~_umask())
+        os.replace(name, path)
+    except BaseException:
+        os.unlink(name)
+        raise
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _page_name(name: str, taken: set[str]) -> str:
+    """A file name that any server takes; never one twice, never the index's."""
+    base = re.sub(r"[^\w.-]+", "_", name) or "material"
+    candidate, count = base, 1
+    while candidate.lower() in taken:
+        count += 1
+        candidate = "%s-%d" % (base, count)
+    taken.add(candidate.lower())
+    return candidate + ".html"
+
+
+def _material_name(path: str) -> str:
+    name = os.path.basename(path)
+    return re.sub(r"\.(csv|tsv|txt|binary)$", "", re.sub(r"\.gz$", "", name)) or name
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    arguments = _parser().parse_args(argv)
+    options = {"distribution": arguments.distribution, "relative_gap": arguments.gap,
+               "max_incidence": arguments.max_incidence, "box_budget": arguments.box_budget}
+    folder = pathlib.Path(arguments.output)
+    code, rows, failures, taken = CERTIFIED, [], [], {"index"}
+    bar = Bar(len(arguments.files), "page") if not arguments.quiet and sys.stderr.isatty() else None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for done, path in enumerate(arguments.files, 1):
+            try:
+                name = _material_name(path)
+                material = measure(name, _read(path, arguments), options, arguments.lobes)
+            except BrdffitError as error:
+                print("brdffit report: %s" % error, file=sys.stderr)
+                failures.append((path, error.message))
+                code = _worse(code, FAILURE if isinstance(error, FileError) else
+                              USAGE if error.code == "option" else DATA)
+                continue
+            link = _page_name(name, taken)
+            _write(folder / link, material_page(material, "index.html" if len(arguments.files) > 1 else None))
+            rows.append((quote(link), name, material))
+            code = _worse(code, CERTIFIED if material.main.certified else OPEN)
+            if bar is not None:
+                bar.update(done)
+        if len(arguments.files) > 1:
+            _write(folder / "index.html", index_page(rows, failures))
+    except OSError as error:
+        print("brdffit report: %s" % error, file=sys.stderr)
+        return FAILURE
+    finally:
+        if bar is not None:
+            bar.close()
+    if rows and not arguments.quiet:
+        print(folder / ("index.html" if len(arguments.files) > 1 else rows[0][0]))
+    return code
+
+
+def _worse(a: int, b: int) -> int:
+    order = (FAILURE, USAGE, DATA, OPEN, CERTIFIED)
+    return min(a, b, key=order.index)

@@ -1,0 +1,278 @@
+"""Measured samples: from files, from arrays. SPDX-License-Identifier: MIT"""
+from __future__ import annotations
+
+import dataclasses
+import os
+from ctypes import POINTER, byref, pointer
+from typing import Any, Mapping, Sequence, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _structs as structs
+from ._arrays import Floats, address, column, floats, freeze, from_address, vectors
+from ._ffi import library
+from .errors import DataError, OptionError, from_struct
+
+Path = Union[str, "os.PathLike[str]"]
+
+_VECTORS = ("light", "view", "normal")
+_ANGLES = ("cos_light", "cos_view", "tan2_half", "cos_difference")
+_COEFFICIENTS = ("a", "b", "c")
+_COLUMNS = (*_ANGLES, *_COEFFICIENTS, "weights")
+_ARRAYS = (*_VECTORS, *_COLUMNS, "values")
+
+
+def choose(name: str, value: str, choices: Sequence[str]) -> int:
+    """Position of a word; a clear error for any other."""
+    if not isinstance(value, str) or value not in choices:
+        raise OptionError("%s must be one of %s, not %r" % (name, ", ".join(map(repr, choices)), value), code="option")
+    return choices.index(value)
+
+
+class _Table:
+    """Owns a brdffit_table; freed with the last array that looks into it."""
+
+    def __init__(self, table: Any) -> None:
+        self._table = table
+        self._free = library().io.brdffit_io_free
+
+    def __del__(self) -> None:
+        self._free(self._table)
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Samples:
+    """Measured reflectance: N samples of K channels. Make one with `from_csv`, `from_merl` or `from_arrays`.
+
+    values: N x K, f_r in 1/sr (quantity "brdf") or f_r (n.l) (quantity "radiance")
+    channels: K names
+    form: which of the following are given
+        "directions": light, view (N x 3, any length but zero), normal (N x 3, or None for +z)
+        "angles": cos_light, cos_view, tan2_half, cos_difference (N each)
+        "coefficients": a, b, c of the model (N each)
+    weights: N, multiplies squared residuals; None: all 1
+    file: where it came from, or None
+    lines: per sample, its line of the text file, or None
+    dropped: entries of the file that did not become samples, by reason
+
+    Arrays cannot be written to.
+    """
+
+    values: Floats
+    channels: tuple[str, ...]
+    form: str = "directions"
+    quantity: str = "brdf"
+    light: Floats | None = None
+    view: Floats | None = None
+    normal: Floats | None = None
+    cos_light: Floats | None = None
+    cos_view: Floats | None = None
+    tan2_half: Floats | None = None
+    cos_difference: Floats | None = None
+    a: Floats | None = None
+    b: Floats | None = None
+    c: Floats | None = None
+    weights: Floats | None = None
+    file: str | None = None
+    format: str | None = None
+    merl_bins: str | None = None
+    merl_samples: str | None = None
+    lines: npt.NDArray[np.uintp] | None = None
+    dropped: Mapping[str, int] = dataclasses.field(default_factory=dict)
+    _merl_directions: Floats | None = None
+
+    def __post_init__(self) -> None:
+        def put(name: str, value: object) -> None:
+            object.__setattr__(self, name, value)
+
+        values = floats("values", self.values)
+        if values.ndim == 1:
+            values = values.reshape(-1, 1)
+        if values.ndim != 2:
+            raise DataError("values must be N x K, not shape %s" % (values.shape,), code="argument")
+        put("values", freeze(values))
+        choose("form", self.form, structs.FORM)
+        choose("quantity", self.quantity, structs.QUANTITY)
+        if len(self.channels) != values.shape[1]:
+            raise DataError("%d channel names for %d channels" % (len(self.channels), values.shape[1]), code="argument")
+        put("channels", tuple(self.channels))
+        for name in _VECTORS:
+            if getattr(self, name) is not None:
+                array = vectors(name, getattr(self, name))
+                if array.shape != (len(values), 3):
+                    raise DataError("%s must have shape (%d, 3), not %s" % (name, len(values), array.shape),
+                                    code="argument")
+                put(name, freeze(array))
+        for name in _COLUMNS:
+            if getattr(self, name) is not None:
+                put(name, freeze(column(name, getattr(self, name), len(values))))
+        if self.lines is not None:
+            put("lines", freeze(self.lines))
+        for name in {"directions": ("light", "view"), "angles": _ANGLES, "coefficients": _COEFFICIENTS}[self.form]:
+            if getattr(self, name) is None:
+                raise DataError("samples of form %r need %s" % (self.form, name), code="argument")
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __repr__(self) -> str:
+        source = "" if self.file is None else " from %s" % self.file
+        return "<Samples: %d x %d (%s), %s as %s%s>" % (
+            len(self), len(self.channels), ", ".join(self.channels[:8]) + (", ..." if len(self.channels) > 8 else ""),
+            self.quantity, self.form, source)
+
+    # ---- Where they come from
+
+    @classmethod
+    def from_arrays(cls, light: npt.ArrayLike, view: npt.ArrayLike, values: npt.ArrayLike, *,
+                    normal: npt.ArrayLike | None = None, weights: npt.ArrayLike | None = None,
+                    channels: Sequence[str] | None = None, quantity: str = "brdf") -> Samples:
+        """Directions towards light and viewer (N x 3 each) around the normal (N x 3, one vector, or None for +z), and
+        values N x K or N. Directions need not be normalised."""
+        data = _rows(values)
+        count = len(data)
+        return cls(values=data, channels=_names(channels, data), quantity=quantity,
+                   light=_spread("light", light, count), view=_spread("view", view, count),
+                   normal=None if normal is None else _spread("normal", normal, count),
+                   weights=None if weights is None else column("weights", weights, count))
+
+    @classmethod
+    def from_angles(cls, cos_light: npt.ArrayLike, cos_view: npt.ArrayLike, tan2_half: npt.ArrayLike,
+                    cos_difference: npt.ArrayLike, values: npt.ArrayLike, *, weights: npt.ArrayLike | None = None,
+                    channels: Sequence[str] | None = None, quantity: str = "brdf") -> Samples:
+        """n.l, n.v, the squared tangent of the half angle, v.h (N each)."""
+        data = _rows(values)
+        n = len(data)
+        return cls(values=data, channels=_names(channels, data), quantity=quantity, form="angles",
+                   cos_light=column("cos_light", cos_light, n), cos_view=column("cos_view", cos_view, n),
+                   tan2_half=column("tan2_half", tan2_half, n),
+                   cos_difference=column("cos_difference", cos_difference, n),
+                   weights=None if weights is None else column("weights", weights, n))
+
+    @classmethod
+    def from_coefficients(cls, a: npt.ArrayLike, b: npt.ArrayLike, c: npt.ArrayLike, values: npt.ArrayLike, *,
+                          weights: npt.ArrayLike | None = None, channels: Sequence[str] | None = None) -> Samples:
+        """The model's own a, b, c (N each) and radiance."""
+        data = _rows(values)
+        n = len(data)
+        return cls(values=data, channels=_names(channels, data), quantity="radiance", form="coefficients",
+                   a=column("a", a, n), b=column("b", b, n), c=column("c", c, n),
+                   weights=None if weights is None else column("weights", weights, n))
+
+    @classmethod
+    def from_csv(cls, path: Path, *, quantity: str | None = None) -> Samples:
+        """A CSV or TSV file (also .gz). One header line names the columns: theta_i, phi_i, theta_o, phi_o in degrees,
+        or lx, ly, lz, vx, vy, vz, or a, b, c; weight; every other column is a channel. `quantity` None: "brdf" for
+        directions, "radiance" for a, b, c."""
+        options = library().io_options()
+        options.format = structs.FORMAT.index("csv")
+        return _read(path, options, quantity)
+
+    @classmethod
+    def from_merl(cls, path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "table",
+                  bins: str = "edge") -> Samples:
+        """A MERL .binary file (also .gz). samples: "table" (every cell that was measured), "84" (the paper's
+        directions), or (light, view) to look up. bins: which angle entry i stands for, its bin's "edge" or "centre"."""
+        options = library().io_options()
+        options.format = structs.FORMAT.index("merl")
+        options.merl_bins = choose("bins", bins, structs.MERL_BINS)
+        at = None
+        if isinstance(samples, str):
+            options.merl_sampling = choose("samples", samples, structs.MERL_SAMPLING[:2])
+        else:
+            light, view = (vectors(name, value) for name, value in zip(("light", "view"), samples))
+            at = cls(values=np.zeros((len(light), 1)), channels=("",), light=light, view=view)
+            options.merl_sampling = structs.MERL_SAMPLING.index("directions")
+        return _read(path, options, None, at)
+
+    @classmethod
+    def from_file(cls, path: Path) -> Samples:
+        """Either, by its content."""
+        return _read(path, library().io_options(), None)
+
+    @classmethod
+    def example(cls) -> Samples:
+        """The shipped example: satin paint of known truth (sigma 0.12 and 0.45), measured by the project's synthetic
+        instrument with 1 % noise."""
+        import importlib.resources
+
+        with importlib.resources.as_file(importlib.resources.files("brdffit") / "two_lobe_satin.csv") as path:
+            return cls.from_csv(path)
+
+    # ---- To C
+
+    def _struct(self) -> structs.Samples:
+        """Points into this object's arrays: keep it alive."""
+        out = library().samples()
+        out.count, out.channels = self.values.shape
+        out.form = structs.FORM.index(self.form)
+        out.quantity = structs.QUANTITY.index(self.quantity)
+        for name in _ARRAYS:
+            setattr(out, name, address(getattr(self, name)))
+        return out
+
+
+def _rows(values: npt.ArrayLike) -> Floats:
+    data = floats("values", values)
+    if data.ndim not in (1, 2):
+        raise DataError("values must be N x K or N, not shape %s" % (data.shape,), code="argument")
+    return data.reshape(-1, 1) if data.ndim == 1 else data
+
+
+def _names(channels: Sequence[str] | None, values: Floats) -> tuple[str, ...]:
+    count = values.shape[1]
+    if channels is not None:
+        return tuple(str(name) for name in channels)
+    return ("r", "g", "b") if count == 3 else tuple("channel%d" % (k + 1) for k in range(count))
+
+
+def _spread(name: str, value: npt.ArrayLike, count: int) -> Floats:
+    array = vectors(name, value)
+    if array.ndim == 1:
+        array = np.broadcast_to(array, (count, 3))
+    return np.ascontiguousarray(array)
+
+
+def _read(path: Path, options: structs.IoOptions, quantity: str | None, at: Samples | None = None) -> Samples:
+    name = os.fspath(path)
+    ffi = library()
+    if quantity is not None:
+        options.quantity_set = 1
+        options.quantity = choose("quantity", quantity, structs.QUANTITY)
+    if at is not None:
+        options.directions = pointer(at._struct())
+    table = POINTER(structs.Table)()
+    error = structs.Error()
+    if ffi.io.brdffit_io_read(os.fsencode(name), byref(options), byref(table), byref(error)) != 0:
+        raise from_struct(error, path=name)
+    owner = _Table(table)
+    return _from_table(table.contents, owner, name, at)
+
+
+def _from_table(table: structs.Table, owner: _Table, name: str, at: Samples | None) -> Samples:
+    data = table.samples
+    count, channels = data.count, data.channels
+    arrays: dict[str, Any] = {key: from_address(getattr(data, key), (count,), owner) for key in _COLUMNS}
+    arrays.update({key: from_address(getattr(data, key), (count, 3), owner) for key in _VECTORS})
+    merl = structs.FORMAT[table.format] == "merl"
+    lines = None
+    if table.lines:
+        lines = np.ctypeslib.as_array(table.lines, (count,)).astype(np.uintp)
+    return Samples(
+        values=from_address(data.values, (count, channels), owner),  # type: ignore[arg-type]
+        channels=tuple(table.channel_names[k].decode("utf-8", "replace") for k in range(channels)),
+        form=structs.FORM[data.form], quantity=structs.QUANTITY[data.quantity], file=name,
+        format=structs.FORMAT[table.format], lines=lines,
+        merl_bins=structs.MERL_BINS[table.merl_bins] if merl else None,
+        merl_samples=structs.MERL_SAMPLING[table.merl_sampling] if merl else None,
+        dropped={reason: int(table.dropped[i]) for i, reason in enumerate(structs.DROP)},
+        _merl_directions=None if at is None else np.hstack([at.light, at.view]),  # type: ignore[list-item]
+        **arrays)
+
+
+def protocol84() -> tuple[Floats, Floats]:
+    """The paper's 84 light and view directions."""
+    light, view = np.empty((84, 3)), np.empty((84, 3))
+    library().io.brdffit_io_protocol84(light.ctypes.data, view.ctypes.data)
+    return light, view

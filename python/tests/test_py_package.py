@@ -1,0 +1,60 @@
+"""The wheel, the types. SPDX-License-Identifier: MIT"""
+import os
+import re
+import subprocess
+import sys
+import zipfile
+
+import pytest
+from conftest import BUILD, ROOT
+
+import brdffit
+
+
+def run(*command, cwd=None, **env):
+    kept = {k: v for k, v in os.environ.items() if k not in ("BRDFFIT_LIBRARY", "PYTHONPATH")}
+    return subprocess.run(command, cwd=cwd, env={**kept, **env}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          timeout=600)
+
+
+@pytest.fixture(scope="session")
+def wheel(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("wheel")
+    done = run(sys.executable, "-m", "pip", "wheel", "--no-build-isolation", "--no-deps", "--no-index", "-w", str(folder),
+               str(ROOT / "python"), THIRD_PARTY=os.environ.get("THIRD_PARTY", str(BUILD / "third_party")),
+               BRDFFIT_PYTHON_BUILD=str(BUILD / "python"))
+    assert done.returncode == 0, done.stdout
+    found, = folder.glob("*.whl")
+    return found
+
+
+def test_wheel(wheel, tmp_path):
+    assert re.fullmatch(r"brdffit-%s-py3-none-\w+\.whl" % re.escape(brdffit.__version__), wheel.name)
+    names = zipfile.ZipFile(wheel).namelist()
+    assert {"brdffit/_lib/libbrdffit.so", "brdffit/py.typed", "brdffit/two_lobe_satin.csv", "brdffit/LICENSE"} <= set(names)
+    done = run(sys.executable, "-m", "pip", "install", "--no-deps", "--no-index", "--target", str(tmp_path / "site"), str(wheel))
+    assert done.returncode == 0, done.stdout
+    # Outside of the tree, without a compiler or make on the path.
+    program = ("import brdffit\nprint(brdffit.fit(brdffit.Samples.example(), lobes=2))\nprint(brdffit.library_path())\n"
+               "import shutil; print(shutil.which('cc'), shutil.which('gcc'), shutil.which('make'))")
+    done = run(sys.executable, "-c", program, cwd=tmp_path, PYTHONPATH=str(tmp_path / "site"), PATH="")
+    assert done.returncode == 0, done.stdout
+    assert "Proven: no Beckmann fit with 2 lobes" in done.stdout and "None None None" in done.stdout
+    assert str(tmp_path / "site" / "brdffit" / "_lib" / "libbrdffit.so") in done.stdout
+
+
+def test_version_is_the_headers():
+    header = (ROOT / "include" / "brdffit.h").read_text()
+    assert re.search(r'BRDFFIT_VERSION_STRING "(.*)"', header).group(1) == brdffit.__version__
+
+
+def test_types(tmp_path):
+    done = run(sys.executable, "-m", "mypy", "--cache-dir", str(BUILD / "mypy_cache"), cwd=ROOT / "python")
+    assert done.returncode == 0, done.stdout
+
+
+def test_only_numpy_is_needed():
+    program = ("import sys\nfor name in ('sklearn', 'tqdm', 'scipy', 'matplotlib'): sys.modules[name] = None\n"
+               "import brdffit, brdffit.report; f = brdffit.fit(brdffit.Samples.example(), progress=True); print(f.status)")
+    done = run(sys.executable, "-c", program, PYTHONPATH=str(ROOT / "python" / "src"), BRDFFIT_LIBRARY=str(BUILD / "libbrdffit.so"))
+    assert done.returncode == 0 and "certified" in done.stdout, done.stdout
