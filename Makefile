@@ -379,5 +379,7 @@ distclean:
 include tools/bench/peers.mk
 include tools/stress/stress.mk
 include tools/bench/bench.mk
+include tools/bench/bench.mk
+include tools/stress/stress.mk
 
 -include $(wildcard $(OBJ)/src/*.d $(OBJ)/src/io/*.d $(OBJ)/tools/*/*.d $(OBJ)/tests/*.d $(OBJ)/tests/*/*.d)

@@ -266,7 +266,8 @@ def section(b):
         f"{b.paper_files} files of {main_set(b)}. Medians over files; a search that ran out of patience counts with the boxes and time "
         "it had, so that such ratios are lower limits.", "", paper_table(b), "",
         "### What a fit costs", "", "Against the gap, all files:", "", gap_rows(b), "",
-        f"Against N (K = 3) and K (N = 84), every c distinct, which is the worst case of the reduction; growth {exponents(b)}:", "",
+        f"Against N (K = 3) and K (N = 84), every c distinct, which is the worst case of the reduction; growth {exponents(b)}. Larger N are left out "
+        f"where a fit could take more than {b.options.longest:g} s (`--longest`):", "",
         scaling_table(b.by_n, "samples", "N"), "", scaling_table(b.by_k, "channels", "K"), "",
         f"Peak memory of the command line as a whole process, one file: {b.memory[1] / 2 ** 20:.3g} MB with one lobe, "
         f"{b.memory[2] / 2 ** 20:.3g} MB with two.", "", *kernel_section(b), *extra_sections(b), END, ""])

@@ -130,11 +130,19 @@ class Bench:
 
     def others(self):
         """Programs of other parts of the project, where this build has them: their CSV as it is."""
-        self.extra = {}
-        for title, name in (("Whole tables", "bench_table"), ("Whole maps", "bench_many")):
+        self.extra, kept = {}, self.out / "bench_table.csv"
+        most = "1e5" if self.options.quick else "1e7"
+        for title, name, arguments in (
+                ("Whole tables", "bench_table", ["--csv", kept, "--repeat", 5, "--scaling", most, *self.options.table]),
+                ("Whole maps", "bench_many", ["--csv"])):
             program = self.programs.build / name
-            if program.exists():
-                self.extra[title] = p.table(p.run([program, "--csv"]))
+            if not program.exists():
+                continue
+            try:
+                text = p.run([program, *arguments])
+                self.extra[title] = p.table(kept.read_text(encoding="utf-8") if name == "bench_table" else text)
+            except Failure as failure:
+                say(f"bench: {title} is left out: {failure}")
 
     def evaluation_costs(self):
         if self.options.no_scipy:
@@ -206,6 +214,7 @@ def read_options(arguments):
     parser.add_argument("data", nargs="*", help="directories of CSV files, each a data set")
     parser.add_argument("--build", default="build")
     parser.add_argument("--out", default="build/bench")
+    parser.add_argument("--table", action="append", default=[], help="a whole table (MERL .binary) for bench_table; repeat it")
     parser.add_argument("--quick", action="store_true", help="three files a set, smaller knobs: minutes")
     parser.add_argument("--fresh", action="store_true", help="measure the peers again too")
     parser.add_argument("--peers-only", action="store_true", help="fill the peers' cache and stop")
