@@ -377,8 +377,6 @@ distclean:
 	rm -rf $(BUILD)
 
 include tools/bench/peers.mk
-include tools/stress/stress.mk
-include tools/bench/bench.mk
 include tools/bench/bench.mk
 include tools/stress/stress.mk
 

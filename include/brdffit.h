@@ -371,6 +371,8 @@ typedef struct brdffit_result {
                                     is near the mirror direction; then narrower lobes have coefficients y beyond
                                     any double (c_min / sigma^2 above about 690) and are outside of the model; INFINITY
                                     when that leaves no lobe at all */
+    double sigma_tail;           /* roughness below which the data see no change, so that nothing is searched there (engine
+                                    moment and socp, and the norms alike); sigma_min when there is no such tail */
     double kkt_residual;         /* of the coefficients given sigma, relative to the data's norm; L1 and LINF: largest
                                     duality gap of a channel's linear program, proven, relative to its zero model */
     brdffit_stop stop;

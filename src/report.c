@@ -312,6 +312,7 @@ static void publish(struct fit *f, const brdffit_options *o, brdffit_result *res
         result->model.sigma[p] = result->lobe[p].sigma;
     }
     result->sigma_floor = f->theta_flat < f->theta_low ? INFINITY : brdffit_fit_sigma(f, f->theta_flat, o);
+    result->sigma_tail = brdffit_fit_sigma(f, f->theta_high, o);
     result->distinct_c = f->data.distinct;
     result->channels_zero = f->data.channels_zero;
     result->channels_identical = f->data.channels_identical;

@@ -182,6 +182,27 @@ static void verify(cli_job *job, cli_fitter *fitter)
     job->verified = job->status == BRDFFIT_OK;
 }
 
+/* One lobe for two, so that --stats can say whether the second is of use. The result still points into the fitter's
+ * workspace, so this takes that of --verify; a failure here only leaves the statement out. */
+static void fit_one_lobe(cli_job *job, cli_fitter *fitter)
+{
+    const brdffit_samples *const samples = &job->table->samples;
+    const brdffit_sums *const sums = job->table->sums;
+    brdffit_options options = fitter->options;
+    brdffit_result result;
+    options.lobes = 1;
+    options.progress = NULL;
+    const size_t size = sums != NULL ? brdffit_sums_workspace_size(sums, &options)
+                                     : brdffit_workspace_size(samples->count, samples->channels, &options);
+    if (size == 0 || !grow(&fitter->verify_workspace, &fitter->verify_capacity, size))
+        return;
+    const brdffit_status status =
+        sums != NULL ? brdffit_fit_sums(sums, &options, fitter->verify_workspace, fitter->verify_capacity, &result, NULL)
+                     : brdffit_fit(samples, &options, fitter->verify_workspace, fitter->verify_capacity, &result, NULL);
+    job->one_lobe_fitted = status == BRDFFIT_OK;
+    job->one_lobe_e2 = job->one_lobe_fitted ? result.e2 : 0;
+}
+
 void brdffit_cli_job_run(cli_job *job, cli_fitter *fitter, const char *path)
 {
     read_table(job, fitter, path, fitter->settings->verify == NULL ? &fitter->options : NULL);
@@ -194,6 +215,8 @@ void brdffit_cli_job_run(cli_job *job, cli_fitter *fitter, const char *path)
     }
     if (job->status == BRDFFIT_OK && fitter->settings->verify != NULL)
         verify(job, fitter);
+    if (job->status == BRDFFIT_OK && fitter->settings->stats && fitter->options.lobes > 1)
+        fit_one_lobe(job, fitter);
 }
 
 void brdffit_cli_job_free(cli_job *job)

@@ -36,6 +36,8 @@ typedef struct cli_job {
     int verified; /* reproof is filled in: --verify */
     brdffit_reproof reproof;
     double verify_seconds;
+    int one_lobe_fitted;   /* --stats, two lobes: one_lobe_e2 is filled in */
+    double one_lobe_e2;    /* of the best fit with one lobe */
 } cli_job;
 
 /* Load the directions that the settings name. 0, or the exit code of a

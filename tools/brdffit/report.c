@@ -233,6 +233,41 @@ static void effort(cli_text *text, cli_style style, const cli_job *job,
     brdffit_cli_text_free(&words);
 }
 
+/* A count and what it is of, after a separator from the second on; nothing for 0. */
+static void add_saving(cli_text *words, size_t count, const char *one, const char *many)
+{
+    if (count == 0)
+        return;
+    brdffit_cli_text_puts(words, words->size > 0 ? "; " : "");
+    brdffit_cli_grouped(words, count);
+    brdffit_cli_text_printf(words, "\t%s", count == 1 ? one : many);
+}
+
+/* --stats: work that this file did not need. Skipped samples have a line of their own. */
+static void savings(cli_text *text, cli_style style, const cli_job *job, const brdffit_options *options)
+{
+    const brdffit_result *const r = &job->result;
+    cli_text words = {0};
+    add_saving(&words, r->samples_used > r->distinct_c ? r->samples_used - r->distinct_c : 0,
+               "sample merged into one of the same half angle", "samples merged into others of the same half angle");
+    add_saving(&words, r->channels_zero, "channel without signal", "channels without signal");
+    add_saving(&words, r->channels_identical, "channel that repeats another", "channels that repeat another");
+    add_saving(&words, r->socp_decided, "box decided without ECOS", "boxes decided without ECOS");
+    if (r->sigma_tail > options->sigma_min)
+        brdffit_cli_text_printf(&words, "%snothing searched below %s = %.3g, where the data see no change",
+                                words.size > 0 ? "; " : "", brdffit_cli_glyph(style, CLI_SIGMA), r->sigma_tail);
+    if (job->one_lobe_fitted && job->one_lobe_e2 > 0) {
+        brdffit_cli_text_printf(&words, "%sone lobe alone reaches E%s = %.6g, and no second lobe lowers that by more than ",
+                                words.size > 0 ? "; " : "", brdffit_cli_glyph(style, CLI_SQUARED), job->one_lobe_e2);
+        brdffit_cli_directed(&words, 100 * (1 - r->lower_bound / job->one_lobe_e2), 2, 1);
+        brdffit_cli_text_puts(&words, "\t%");
+    }
+    brdffit_cli_text_puts(&words, words.size > 0 ? "." : "nothing: this file needed all of it.");
+    brdffit_cli_paragraph(text, style, CLI_BOLD, "Saved:", brdffit_cli_text_string(&words));
+    text->failed |= words.failed;
+    brdffit_cli_text_free(&words);
+}
+
 void brdffit_cli_report_fit(cli_text *text, cli_style style, const cli_job *job,
                             const cli_fitter *fitter)
 {
@@ -246,4 +281,6 @@ void brdffit_cli_report_fit(cli_text *text, cli_style style, const cli_job *job,
     verification(text, style, job);
     brdffit_cli_warnings(text, style, result, &fitter->options);
     effort(text, style, job, &fitter->options);
+    if (fitter->settings->stats)
+        savings(text, style, job, &fitter->options);
 }

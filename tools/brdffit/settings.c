@@ -118,7 +118,7 @@ const cli_option brdffit_cli_options[] = {
           "fit part I of N only, for many machines on one\nfolder; afterwards the same command without it\n"
           "puts the maps together"),
     PLAIN("fresh", 0, CLI_FLAG, CLI_MAP, fresh, NULL, "do not go on with an earlier, unfinished run"),
-    PLAIN("stats", 0, CLI_FLAG, CLI_MAP, stats, NULL, "what was skipped, merged and saved"),
+    PLAIN("stats", 0, CLI_FLAG, CLI_FIT | CLI_MAP, stats, NULL, "what was skipped, merged and saved"),
     PLAIN("quiet", 'q', CLI_FLAG, ALL, quiet, NULL, "no report, summary or progress; errors only"),
     PLAIN("output", 'o', CLI_STRING, CLI_MAP, output, "DIR|FILE.npz",
           "the maps, whole or not at all (default: NAME-maps\nwhere you are)"),

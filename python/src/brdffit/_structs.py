@@ -165,6 +165,7 @@ class Result(ctypes.Structure):
         ("gap", c_double),
         ("sum_of_squares", c_double),
         ("sigma_floor", c_double),
+        ("sigma_tail", c_double),
         ("kkt_residual", c_double),
         ("stop", c_int),
         ("certified", c_int),
