@@ -62,7 +62,8 @@ object = $(patsubst %.c,$(OBJ)/%.o,$(1))
 program = $(patsubst %,$(BUILD)/%,$(basename $(notdir $(1))))
 
 CORE := $(call object,$(sort $(wildcard src/*.c)))
-IO := $(call object,$(sort $(wildcard src/io/*.c)))
+# With its own copy of the one file that it shares with the core: libbrdffit.so exports what its header declares only.
+IO := $(call object,$(sort $(wildcard src/io/*.c)) src/environment.c)
 CLI := $(call object,$(sort $(wildcard tools/brdffit/*.c)))
 GONIOMETER := $(call object,$(sort $(wildcard tools/goniometer/*.c)))
 BENCH := $(sort $(wildcard tools/bench/bench_*.c))
@@ -109,7 +110,9 @@ help:
 	@echo 'make install     to $(prefix) (PREFIX, DESTDIR, bindir, libdir, ... are honoured)'
 	@echo 'make uninstall   remove what install put there'
 	@echo 'make peers       levmar and Ceres, local solvers to compare with (downloads them; GPL)'
+	@echo 'make bench [DATA="dir ..."] [QUICK=1]   run time against error, beside every peer'
 	@echo 'make paper DATA=dir [STARTS=100]   the paper'\''s experiments on MERL or CSV files'
+	@echo 'make stress      strained problems against 50-digit references (RESULTS=file.md: a table there)'
 	@echo 'make clean       remove what was built; keeps downloads'
 	@echo 'make distclean   remove $(BUILD)/ whole'
 	@echo
@@ -261,7 +264,7 @@ $(BUILD)/whole/libbrdffit.so: $(CORE_MEMBERS) $(IO) $(BUILD)/link.flags
 	$(call say,LINK,$@)$(LINK) -shared -Wl,-s -o $@ $(CORE_MEMBERS) $(IO) -lz -lm
 
 $(BUILD)/brdffit: $(CLI) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
-	$(call say,LINK,$@)$(LINK) -o $@ $(CLI) $(STATIC_IO) $(STATIC) -lcjson -lz -lm
+	$(call say,LINK,$@)$(LINK) -o $@ $(CLI) $(STATIC_IO) $(STATIC) -lcjson -lpng -lz -lm -pthread
 
 $(BUILD)/goniometer: $(GONIOMETER) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
 	$(call say,LINK,$@)$(LINK) -o $@ $(GONIOMETER) $(STATIC_IO) $(STATIC) -lz -lm
@@ -374,5 +377,7 @@ distclean:
 	rm -rf $(BUILD)
 
 include tools/bench/peers.mk
+include tools/stress/stress.mk
+include tools/bench/bench.mk
 
 -include $(wildcard $(OBJ)/src/*.d $(OBJ)/src/io/*.d $(OBJ)/tools/*/*.d $(OBJ)/tests/*.d $(OBJ)/tests/*/*.d)

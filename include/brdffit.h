@@ -363,6 +363,7 @@ typedef struct brdffit_result {
     double rms_total;            /* sqrt(sum w r^2 / (K sum w)) over all channels, whatever the norm; units that were
                                     minimised */
     double e2;                   /* E^2 at the optimum, evaluated on the samples themselves */
+    double e2_error;             /* how far e2 may be from that: 0 but for brdffit_fit_sums() */
     double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
     double gap;                  /* e2 - lower_bound, >= 0 */
     double sum_of_squares;       /* E^2 of the zero model */
@@ -402,6 +403,97 @@ BRDFFIT_API size_t brdffit_workspace_size(size_t count, size_t channels,
 BRDFFIT_API brdffit_status brdffit_fit(const brdffit_samples *samples, const brdffit_options *options,
                                        void *workspace, size_t workspace_size,
                                        brdffit_result *result, brdffit_error *error);
+
+/* ---- Sums: samples that are not kept ------------------------------------ */
+
+/*
+ * All that a least-squares fit needs to know of any number of samples, added up as they come: a goniometer that
+ * streams, a table that is larger than memory. Lives in the caller's memory, of a size that does not depend on the
+ * number of samples; no two threads may share one. Belongs to the distribution, max_incidence and isa of the options
+ * that it was made with; norm must be L2. Samples of equal c share a group, and there is room for so many groups.
+ *
+ * Sums have a smaller range than samples: weights and b, where not 0, must be in [1e-50, 1e50], values and a at most
+ * 1e100 (BRDFFIT_ERR_VALUE names the one that is not). brdffit_fit() has no such limits.
+ */
+typedef struct brdffit_sums brdffit_sums;
+
+/* Bytes of memory for `groups` distinct c, 0 when that overflows or an argument is 0. */
+BRDFFIT_API size_t brdffit_sums_size(size_t channels, size_t groups);
+
+/*
+ * Start with no samples, in `memory` of that size and any alignment. `options` may be NULL (defaults), `error` may be
+ * NULL. *sums points into the memory, which must not move, and needs no release.
+ */
+BRDFFIT_API brdffit_status brdffit_sums_init(void *memory, size_t size, size_t channels, size_t groups,
+                                             const brdffit_options *options, brdffit_sums **sums,
+                                             brdffit_error *error);
+
+/*
+ * Add samples of any form and quantity, checked and skipped as by brdffit_fit(). When one is at fault, error->sample is
+ * its index in `samples`, and those before it have been added. BRDFFIT_ERR_WORKSPACE: more distinct c than groups.
+ */
+BRDFFIT_API brdffit_status brdffit_sums_add(brdffit_sums *sums, const brdffit_samples *samples,
+                                            brdffit_error *error);
+
+/*
+ * The cells of a table in half/difference angles that share theta_h: f_r at differences x azimuths cells, cell (d, p)
+ * at index p + azimuths d, with
+ *
+ *     n.l, n.v = cos_half cos_difference[d] -+ sin_half sin_difference[d] cos_azimuth[p]      v.h = cos_difference[d]
+ *
+ * A cell with n.l or n.v <= horizon is not looked at but for NaN; one with a negative entry in any channel is absent,
+ * that is, not measured.
+ */
+typedef struct brdffit_row {
+    size_t struct_size;
+    size_t differences, azimuths;
+    double sin_half, cos_half; /* >= 0; tan^2 alpha is (sin_half / cos_half)^2 */
+    double horizon;            /* >= 0 */
+    const double *sin_difference, *cos_difference; /* differences each, in [0, 1] */
+    const double *cos_azimuth;                     /* azimuths, in [-1, 1] */
+    const void *const *entries; /* per channel, differences x azimuths doubles of any alignment (a mapped file) */
+    const double *scale;        /* per channel: f_r = entry * scale; > 0 */
+} brdffit_row;
+
+BRDFFIT_API void brdffit_row_init(brdffit_row *row); /* zeroes all and sets struct_size */
+
+/* What became of the cells of a row. */
+typedef enum brdffit_cell {
+    BRDFFIT_CELL_SAMPLE = 0, /* a sample, which the sums use or skip (incidence) */
+    BRDFFIT_CELL_BELOW_HORIZON,
+    BRDFFIT_CELL_ABSENT,
+    BRDFFIT_CELL_COUNT
+} brdffit_cell;
+
+/*
+ * Add a row in one sweep, as fast as memory delivers it. `cells` (may be NULL) is incremented. On failure nothing of the
+ * row is added: BRDFFIT_ERR_VALUE with error->sample and channel for an entry that is not finite (of any cell) or
+ * beyond the range of sums; BRDFFIT_ERR_UNSUPPORTED for LAFORTUNE, whose c differs from cell to cell;
+ * BRDFFIT_ERR_WORKSPACE as above.
+ */
+BRDFFIT_API brdffit_status brdffit_sums_add_row(brdffit_sums *sums, const brdffit_row *row,
+                                                size_t cells[BRDFFIT_CELL_COUNT], brdffit_error *error);
+
+/* Samples seen so far: `used` and `skipped` (may be NULL) as of brdffit_inspect(). */
+BRDFFIT_API void brdffit_sums_count(const brdffit_sums *sums, size_t *used, size_t skipped[BRDFFIT_SKIP_COUNT]);
+
+/* Largest used radiance of a channel so far, 0 when none is positive. */
+BRDFFIT_API double brdffit_sums_largest(const brdffit_sums *sums, size_t channel);
+
+/* As brdffit_workspace_size(). */
+BRDFFIT_API size_t brdffit_sums_workspace_size(const brdffit_sums *sums, const brdffit_options *options);
+
+/*
+ * Fit what was added, as brdffit_fit() would (engine moment only; its other ways need the samples:
+ * BRDFFIT_ERR_UNSUPPORTED). The sums are only read: more can be added, and they can be fitted again with other lobes,
+ * ranges and gaps. e2 is known to within result->e2_error, a few 1e-13 of sum_of_squares: when that is too much, the
+ * model fits to rounding, and only brdffit_fit() can tell how well.
+ */
+BRDFFIT_API brdffit_status brdffit_fit_sums(const brdffit_sums *sums, const brdffit_options *options,
+                                            void *workspace, size_t workspace_size, brdffit_result *result,
+                                            brdffit_error *error);
+
+/* ---- Proof again --------------------------------------------------------- */
 
 /* What brdffit_verify_socp() found. */
 typedef struct brdffit_reproof {
@@ -463,6 +555,134 @@ BRDFFIT_API void brdffit_fit_free(brdffit_result *result);
  */
 BRDFFIT_API brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *at,
                                         double *out, brdffit_error *error);
+
+/* ---- Many fits of one geometry: whole maps ------------------------------ */
+
+/*
+ * All that depends on the geometry (lights, views, weights) and the options but not on the values: made once, in
+ * the caller's memory, by brdffit_plan_init(); never changed afterwards, so any number of threads may share one.
+ * It points into itself: it must stay where it was made.
+ */
+typedef struct brdffit_plan brdffit_plan;
+
+/*
+ * Bytes that brdffit_plan_init() needs; 0 when the arguments are invalid or the size overflows. `geometry` is a
+ * brdffit_samples whose `values` are not looked at (NULL is fine); weights are obeyed. `options` may be NULL
+ * (defaults); its progress callback is not called by brdffit_fit_many().
+ */
+BRDFFIT_API size_t brdffit_plan_size(const brdffit_samples *geometry, const brdffit_options *options);
+
+/*
+ * Make a plan at the start of `memory` (any alignment). Keeps copies: the arrays of `geometry` may go afterwards.
+ * Fails as brdffit_fit() would, but for values: BRDFFIT_ERR_NO_SAMPLES, BRDFFIT_ERR_VALUE (with the sample) ...
+ * *plan points into `memory` on success and is untouched on failure.
+ */
+BRDFFIT_API brdffit_status brdffit_plan_init(const brdffit_samples *geometry, const brdffit_options *options,
+                                             void *memory, size_t size, const brdffit_plan **plan,
+                                             brdffit_error *error);
+
+/* Bytes of workspace that brdffit_fit_many() needs, for each thread; the same for any number of texels. */
+BRDFFIT_API size_t brdffit_many_workspace_size(const brdffit_plan *plan);
+
+/* Element type of brdffit_texels.values, in the machine's byte order, aligned as the type asks for. */
+typedef enum brdffit_type {
+    BRDFFIT_TYPE_DOUBLE = 0,
+    BRDFFIT_TYPE_FLOAT, /* 32 bits */
+    BRDFFIT_TYPE_UINT16,
+    BRDFFIT_TYPE_COUNT
+} brdffit_type;
+
+/*
+ * Measured values of many texels; all arrays belong to the caller and are only read. Element
+ * texel * texel_stride + sample * sample_stride + channel * channel_stride of `values`, times `scale`, is what
+ * brdffit_samples.values would hold. So an image stack (sample, y, x, channel) has strides channels,
+ * height * width * channels and 1, and an array (texel, sample, channel) has samples * channels, channels and 1.
+ * brdffit_texels_init() sets the latter for a plan, scale 1, doubles and no mask.
+ */
+typedef struct brdffit_texels {
+    size_t struct_size;
+    size_t count;
+    const void *values;
+    brdffit_type type;
+    double scale;            /* finite and > 0 */
+    ptrdiff_t texel_stride;  /* these three in elements; any sign */
+    ptrdiff_t sample_stride;
+    ptrdiff_t channel_stride;
+    const unsigned char *mask; /* count; 0: skip this texel and do not look at its values. NULL: use all */
+} brdffit_texels;
+
+BRDFFIT_API void brdffit_texels_init(brdffit_texels *texels, const brdffit_plan *plan);
+
+/* What became of a texel. */
+typedef enum brdffit_texel_status {
+    BRDFFIT_TEXEL_CERTIFIED = 0, /* E^2 and bound within relative_gap or absolute_gap */
+    BRDFFIT_TEXEL_OPEN,          /* the search stopped early (`stop` says why): incumbent and bound are valid */
+    BRDFFIT_TEXEL_NO_SIGNAL,     /* every used value is zero: so is the model, and that is certified */
+    BRDFFIT_TEXEL_MASKED,        /* not looked at */
+    BRDFFIT_TEXEL_BAD_VALUE,     /* a used value is NaN or infinite: `where` says which */
+    BRDFFIT_TEXEL_REFUSED,       /* values that brdffit_fit() would refuse otherwise, e.g. all below 1e-304 */
+    BRDFFIT_TEXEL_STATUS_COUNT
+} brdffit_texel_status;
+
+/* Constant snake_case name: "certified", "open", "no_signal", "masked", "bad_value", "refused". */
+BRDFFIT_API const char *brdffit_texel_status_string(brdffit_texel_status status);
+
+/*
+ * Results, texel by texel in the order of the input; K channels, P lobes. Arrays belong to the caller; NULL: not
+ * wanted. A texel that was not fitted (masked, bad value, refused) gets NaN in every floating-point array; one
+ * without signal gets zero coefficients and the largest sigma. Units and meaning are those of brdffit_result, with
+ * the texel's own channel_scale.
+ */
+typedef struct brdffit_texel_results {
+    size_t struct_size;
+    double *sigma;         /* count x P, ascending */
+    double *x;             /* count x K */
+    double *y;             /* count x K x P */
+    double *channel_scale; /* count x K */
+    double *e2;            /* count */
+    double *lower_bound;   /* count; proven */
+    double *sum_of_squares; /* count; E^2 of the zero model */
+    unsigned char *status; /* count; brdffit_texel_status */
+    unsigned char *stop;   /* count; brdffit_stop, of texels that are CERTIFIED or OPEN; else BRDFFIT_STOP_COUNT */
+    size_t *where;         /* count; BAD_VALUE: sample * K + channel; else BRDFFIT_NONE */
+    size_t *boxes;         /* count; bounded by the search */
+} brdffit_texel_results;
+
+/* Zero: every array NULL. */
+BRDFFIT_API void brdffit_texel_results_init(brdffit_texel_results *results);
+
+/* What a call did, and did not need to. Counts are added to what the struct holds; init zeroes them. */
+typedef struct brdffit_many_stats {
+    size_t struct_size;
+    size_t texels;           /* the sum of the next three lines */
+    size_t certified, open;
+    size_t masked, no_signal, bad_value, refused;
+    size_t equal;            /* data equal those of the texel before, bit for bit: its result was copied */
+    size_t general;          /* certified or open texels that took the path of brdffit_fit() */
+    size_t zero_channels;    /* channels without signal of texels that have some */
+    size_t equal_channels;   /* channels that repeat an earlier one of their texel, bit for bit */
+    size_t boxes;            /* bounded */
+    size_t nodes;            /* evaluations of the restricted problem, or of its sums, at one roughness */
+    size_t one_lobe_enough;  /* two lobes fitted, and the best single lobe is within the gap of their bound already */
+} brdffit_many_stats;
+
+BRDFFIT_API void brdffit_many_stats_init(brdffit_many_stats *stats);
+
+/*
+ * Certified fits of many texels that share the plan's geometry. Each texel is a fit of its own, as brdffit_fit()
+ * would make it: same objective, same gaps, its own proof. Norm L2 with engine moment and an exponential family
+ * runs several texels at a time and takes what only depends on the geometry from the plan; all else, and texels
+ * that resist, take the path of brdffit_fit(). A bad texel never stops the batch.
+ *
+ * A texel's result depends on its own data and the plan alone: not on its neighbours, the order, the size of the
+ * batch, the thread or the instruction set; the bits are the same. No allocation (but for ECOS, where the options
+ * ask for it), no threads: split the texels among your own, each with a workspace. On failure, which only comes
+ * from arguments, results are untouched. `stats` and `error` may be NULL.
+ */
+BRDFFIT_API brdffit_status brdffit_fit_many(const brdffit_plan *plan, const brdffit_texels *texels,
+                                            const brdffit_texel_results *results, void *workspace,
+                                            size_t workspace_size, brdffit_many_stats *stats,
+                                            brdffit_error *error);
 
 #ifdef __cplusplus
 }

@@ -29,19 +29,23 @@ static void exponential_slope(double c, double u, double *ell, double *slope)
 }
 
 /* ln of sqrt(m bb_j / bb_0): what a sample weighs against the sharpest one. */
-static double weight_exponent(const double *bb, size_t j, size_t m)
+static double weight_exponent(double bb_j, double bb_0, size_t m)
 {
-    return 0.5 * (kernel_log((double)m) + kernel_log(bb[j]) - kernel_log(bb[0]));
+    return 0.5 * (kernel_log((double)m) + kernel_log(bb_j) - kernel_log(bb_0));
 }
 
 static double exponential_tail(const double *c, const double *bb, size_t m, double c_min)
 {
-    double tail = 0.0;
+    double tail = 0.0, most = 0.0, cap;
     size_t j;
 
     (void)c_min;
     for (j = 1; j < m; j++) {
-        tail = fmax(tail, (TAIL_EXPONENT + weight_exponent(bb, j, m)) / c[j]);
+        most = bb[j] > most ? bb[j] : most;
+    }
+    cap = most > 0.0 ? TAIL_EXPONENT + weight_exponent(most, bb[0], m) : 0.0;
+    for (j = 1; j < m && cap > tail * c[j]; j++) { /* c ascends: from there on no sample can matter */
+        tail = fmax(tail, (TAIL_EXPONENT + weight_exponent(bb[j], bb[0], m)) / c[j]);
     }
     return tail;
 }
@@ -154,7 +158,7 @@ static double ggx_tail(const double *c, const double *bb, size_t m, double c_min
         return m > 1 ? kernel_exp(TAIL_EXPONENT) / c_min : 0.0;
     }
     for (j = 1; j < m; j++) {
-        double exponent = 0.5 * (TAIL_EXPONENT + weight_exponent(bb, j, m));
+        double exponent = 0.5 * (TAIL_EXPONENT + weight_exponent(bb[j], bb[0], m));
 
         tail = fmax(tail, kernel_exp(fmin(exponent, 600.0)) / c[j]);
     }

@@ -119,14 +119,28 @@ brdffit_status brdffit_fit_open(struct fit *f, const brdffit_samples *samples, c
     return BRDFFIT_OK;
 }
 
+brdffit_status brdffit_fit_finish(struct fit *f, const brdffit_options *options, brdffit_result *result,
+                                  brdffit_error *error)
+{
+    struct search_result found;
+    struct search_rules rules;
+    struct engine engine;
+    brdffit_status status = brdffit_fit_start(f, options, &engine, &rules, error);
+
+    if (status != BRDFFIT_OK) {
+        return status;
+    }
+    brdffit_search(&f->axis, &f->heap, &engine, &rules, &found);
+    brdffit_report(f, options, brdffit_fit_scale(&f->data, options), &found, result);
+    brdffit_fit_engine_finish(f, options);
+    return BRDFFIT_OK;
+}
+
 brdffit_status brdffit_fit_run(const brdffit_samples *samples, const brdffit_options *options, void *workspace,
                                size_t workspace_size, brdffit_result *result, brdffit_error *error)
 {
     brdffit_options defaults;
     brdffit_status status;
-    struct search_result found;
-    struct search_rules rules;
-    struct engine engine;
     struct fit fit;
 
     if (!options) {
@@ -134,14 +148,5 @@ brdffit_status brdffit_fit_run(const brdffit_samples *samples, const brdffit_opt
         options = &defaults;
     }
     status = brdffit_fit_open(&fit, samples, options, workspace, workspace_size, result, error);
-    if (status == BRDFFIT_OK) {
-        status = brdffit_fit_start(&fit, options, &engine, &rules, error);
-    }
-    if (status != BRDFFIT_OK) {
-        return status;
-    }
-    brdffit_search(&fit.axis, &fit.heap, &engine, &rules, &found);
-    brdffit_report(&fit, options, brdffit_fit_scale(&fit.data, options), &found, result);
-    brdffit_fit_engine_finish(&fit, options);
-    return BRDFFIT_OK;
+    return status == BRDFFIT_OK ? brdffit_fit_finish(&fit, options, result, error) : status;
 }

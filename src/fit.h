@@ -57,6 +57,10 @@ brdffit_status brdffit_fit_open(struct fit *fit, const brdffit_samples *samples,
 brdffit_status brdffit_fit_start(struct fit *fit, const brdffit_options *options, struct engine *engine,
                                  struct search_rules *rules, brdffit_error *error);
 
+/* All that follows the reduction, of a fit that is open. */
+brdffit_status brdffit_fit_finish(struct fit *fit, const brdffit_options *options, brdffit_result *result,
+                                  brdffit_error *error);
+
 /* What turns an internal objective into the caller's units. */
 double brdffit_fit_scale(const struct reduced *data, const brdffit_options *options);
 
@@ -88,6 +92,9 @@ ENVIRONMENT_APART size_t brdffit_fit_workspace(size_t count, size_t channels, co
 ENVIRONMENT_APART brdffit_status brdffit_fit_run(const brdffit_samples *samples, const brdffit_options *options,
                                                  void *workspace, size_t workspace_size, brdffit_result *result,
                                                  brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_options *options,
+                                                      void *workspace, size_t workspace_size,
+                                                      brdffit_result *result, brdffit_error *error);
 ENVIRONMENT_APART brdffit_status brdffit_reprove_run(const brdffit_samples *samples, const brdffit_options *options,
                                                      double level, void *workspace, size_t workspace_size,
                                                      brdffit_reproof *reproof, brdffit_error *error);

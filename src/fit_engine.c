@@ -3,6 +3,7 @@
  */
 #include "fit.h"
 #include "kernel_exp.h"
+#include "moment_descend.h"
 
 void brdffit_fit_evaluate(struct fit *f, const struct point *at, int prove, struct varpro_value *value)
 {
@@ -17,6 +18,15 @@ static double try_point(void *self, struct point *point)
 {
     struct fit *f = self;
 
+    return brdffit_varpro_descend(&f->varpro, point);
+}
+
+/* Cheap steps in moment space first, where the residual is far above its rounding. */
+static double try_moments(void *self, struct point *point)
+{
+    struct fit *f = self;
+
+    brdffit_moment_descend(&f->moment.moments, f->varpro.lobes, f->theta_low, f->theta_high, point);
     return brdffit_varpro_descend(&f->varpro, point);
 }
 
@@ -99,6 +109,7 @@ brdffit_status brdffit_fit_engine_start(struct fit *f, const brdffit_options *o,
     brdffit_bound_moment_start(&f->moment, &f->data, f->family, f->varpro.kernels, &f->axis, o->lobes);
     engine->bound = o->lobes > 1 ? bound_two : bound_one;
     engine->start = o->lobes > 1 ? start_two : start_one;
+    engine->try_point = f->family->exponential ? try_moments : try_point;
     engine->noise = 2.0 * f->moment.moments.slack;
     return BRDFFIT_OK;
 }

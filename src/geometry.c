@@ -11,6 +11,7 @@
 
 #include "geometry_rows.h"
 #include "tolerance.h"
+#include "vector.h"
 
 #define PI 3.14159265358979323846
 
@@ -94,7 +95,7 @@ double brdffit_geometry_min_cosine(double max_incidence)
 /* Unit vector, scaled first so that any finite non-zero length works. 0 on failure. */
 static int unit_vector(const double *v, double out[3])
 {
-    double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+    double largest = larger(fabs(v[0]), larger(fabs(v[1]), fabs(v[2])));
     double x, y, z, length;
 
     if (!(isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]) && largest > 0.0)) {
@@ -138,8 +139,7 @@ static brdffit_status vector_error(brdffit_error *error, const double *v, const 
 static brdffit_status angles_of_directions(const brdffit_samples *s, size_t i, struct geometry_angles *out,
                                            brdffit_error *error)
 {
-    static const double up[3] = {0.0, 0.0, 1.0};
-    double l[3], v[3], n[3], h[3], cross[3], cos_half, length;
+    double l[3], v[3], n[3] = {0.0, 0.0, 1.0}, h[3], cross[3], cos_half, length;
 
     if (!unit_vector(s->light + 3 * i, l)) {
         return vector_error(error, s->light + 3 * i, "light direction is not finite or has no length", i);
@@ -147,7 +147,7 @@ static brdffit_status angles_of_directions(const brdffit_samples *s, size_t i, s
     if (!unit_vector(s->view + 3 * i, v)) {
         return vector_error(error, s->view + 3 * i, "view direction is not finite or has no length", i);
     }
-    if (!unit_vector(s->normal ? s->normal + 3 * i : up, n)) {
+    if (s->normal && !unit_vector(s->normal + 3 * i, n)) {
         return vector_error(error, s->normal + 3 * i, "normal is not finite or has no length", i);
     }
     h[0] = l[0] + v[0];

@@ -19,6 +19,7 @@
 #include "kernel_atan.h"
 #include "kernel_log1p.h"
 #include "tolerance.h"
+#include "vector.h"
 
 #define PI 3.14159265358979323846
 
@@ -32,7 +33,7 @@ static double shadowing(const struct geometry_angles *g)
 {
     double shared = 2.0 * sqrt(cos2_half(g)) / g->cos_difference;
 
-    return fmin(1.0, shared * fmin(g->cos_view, g->cos_light));
+    return smaller(1.0, shared * smaller(g->cos_view, g->cos_light));
 }
 
 /* Beckmann, and GGX in the same geometry (theory 4.4). */
@@ -66,7 +67,7 @@ static void blinn_phong(const struct geometry_angles *g, struct geometry *out)
 
 static void ashikhmin_shirley(const struct geometry_angles *g, struct geometry *out)
 {
-    out->b = g->cos_light / (g->cos_difference * fmax(g->cos_light, g->cos_view));
+    out->b = g->cos_light / (g->cos_difference * larger(g->cos_light, g->cos_view));
     out->c = 0.5 * kernel_log1p(g->tan2_half);
 }
 
@@ -99,4 +100,35 @@ void brdffit_geometry_row(brdffit_distribution distribution, const struct geomet
     out->a = angles->cos_light / PI;
     out->cos_light = angles->cos_light;
     row[distribution](angles, out);
+}
+
+int brdffit_geometry_strip(brdffit_distribution distribution, double tan2_half, struct geometry_strip *out)
+{
+    struct geometry_angles angles = {1.0, 1.0, tan2_half, 1.0};
+    struct geometry row;
+    double cos2 = cos2_half(&angles);
+
+    brdffit_geometry_row(distribution, &angles, &row);
+    out->c = row.c;
+    out->kind = STRIP_SHADOWED;
+    out->shared = 2.0 * sqrt(cos2);
+    switch (distribution) {
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_GGX: out->factor = 1.0 / (PI * (cos2 * cos2)); return 1;
+    case BRDFFIT_TORRANCE_SPARROW: out->factor = 1.0 / PI; return 1;
+    case BRDFFIT_WARD:
+        out->kind = STRIP_ROOT;
+        out->factor = 1.0 / (4.0 * PI);
+        return 1;
+    case BRDFFIT_BLINN_PHONG:
+        out->kind = STRIP_LIGHT;
+        out->factor = 1.0;
+        return 1;
+    case BRDFFIT_ASHIKHMIN_SHIRLEY:
+        out->kind = STRIP_SIDE;
+        out->factor = 1.0;
+        out->shared = 1.0;
+        return 1;
+    default: return 0;
+    }
 }

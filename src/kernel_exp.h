@@ -28,7 +28,7 @@ static inline double kernel_exp(double x)
     const double ln2_hi = 6.93147180369123816490e-01; /* 33 bits: k ln2_hi is exact */
     const double ln2_lo = 1.90821492927058770002e-10;
     const double shift = 6755399441055744.0; /* 1.5 * 2^52 */
-    double clipped = x < -708.0 ? -708.0 : x;
+    double clipped = x < -708.0 ? 0.0 : x; /* any number: -708 itself would underflow on its way */
     double t = clipped * log2e + shift;
     double k = t - shift;
     double r = (clipped - k * ln2_hi) - k * ln2_lo;

@@ -44,8 +44,9 @@ struct kernels {
     void (*functionals)(const double *linear, size_t count, const double *phi, const double *x, double mean, size_t n,
                         struct functional *out);
 
-    /* w = bb phi psi: sum w, and the mean and variance of c under w (0 where the sum is). */
-    void (*pair)(const double *bb, const double *phi, const double *psi, const double *c, size_t n, double out[3]);
+    /* w = bb phi psi, 0 where c >= limit: sum w, and the mean and variance of c under w (0 where the sum is). */
+    void (*pair)(const double *bb, const double *phi, const double *psi, const double *c, double limit, size_t n,
+                 double out[3]);
 
     /* gain[c + 4 s]: J at corner c with the sides of subset s shifted (bit i: side i). With only_first, s < 2. */
     void (*gains_two)(const struct gains_two *in, int only_first, double gain[16]);

@@ -23,51 +23,65 @@
 #include "kernels.h"
 
 /* The cubic at x, clipped to [0, 1]; a NaN counts as 0. */
-LANES_INLINE lanes cubic_at(lanes start, lanes slope, lanes a, lanes e, lanes x)
+LANES_INLINE vec cubic_at(vec start, vec slope, vec a, vec e, vec x)
 {
-    x = lanes_min(lanes_max(x, lanes_set(0.0)), lanes_set(1.0));
+    x = vec_min(vec_max(x, vec_set(0.0)), vec_set(1.0));
     return start + x * (slope + 4.0 * (1.0 - x) * (a + e * x));
 }
 
-LANES_INLINE lanes climb(lanes low, lanes low_shifted, lanes high, lanes high_shifted)
+LANES_INLINE vec climb(vec low, vec low_shifted, vec high, vec high_shifted)
 {
-    lanes slope = high - low, a = low_shifted - low, b = high_shifted - high, e = b - a;
-    lanes c0 = slope + 4.0 * a, c1 = 8.0 * (e - a), c2 = -12.0 * e; /* the derivative c0 + c1 x + c2 x^2 */
-    lanes root = lanes_sqrt(lanes_max(c1 * c1 - 4.0 * c2 * c0, lanes_set(0.0)));
-    lanes q = -0.5 * (c1 + lanes_select(c1 < lanes_set(0.0), -root, root));
-    lanes best = lanes_max(cubic_at(low, slope, a, e, q / c2), cubic_at(low, slope, a, e, c0 / q));
+    vec slope = high - low, a = low_shifted - low, b = high_shifted - high, e = b - a;
+    vec c0 = slope + 4.0 * a, c1 = 8.0 * (e - a), c2 = -12.0 * e; /* the derivative c0 + c1 x + c2 x^2 */
+    vec root = vec_sqrt(vec_max(c1 * c1 - 4.0 * c2 * c0, vec_set(0.0)));
+    vec q = -0.5 * (c1 + vec_select(c1 < vec_set(0.0), -root, root));
+    vec best = vec_max(cubic_at(low, slope, a, e, q / c2), cubic_at(low, slope, a, e, c0 / q));
 
-    return lanes_max(best, lanes_max(low, high));
+    return vec_max(best, vec_max(low, high));
 }
 
-static double largest(const double *v, size_t n)
+/* Four arguments of a climb in `count` lanes, a multiple of VEC: [low, low shifted, high, high shifted][lane]. */
+LANES_INLINE void climbs(double (*argument)[LANES], size_t count, double *out)
 {
-    double best = v[0];
-    size_t i;
+    size_t part;
 
-    for (i = 1; i < n; i++) {
-        best = v[i] > best ? v[i] : best;
+    for (part = 0; part < count; part += VEC) {
+        vec_store(out + part, climb(vec_load(argument[0] + part), vec_load(argument[1] + part),
+                                    vec_load(argument[2] + part), vec_load(argument[3] + part)));
     }
-    return best;
+}
+
+/*
+ * Lane l = c0 + 2 c1 + 4 s0 of two lobes; with one, lane c0 + 2 s0. A lane's numbers are chosen by masks from registers
+ * that hold one number each: an array filled by scalars and read as a vector would wait for memory.
+ */
+static const int64_t lane_bit[3][LANES] = {
+    {0, -1, 0, -1, 0, -1, 0, -1}, {0, 0, -1, -1, 0, 0, -1, -1}, {0, 0, 0, 0, -1, -1, -1, -1}};
+
+/* In lanes from `part` on: `on` where bit `b` of the lane is set, else `off`. */
+LANES_INLINE vec by_bit(int b, size_t part, double off, double on)
+{
+    return vec_select(vec_load_mask(lane_bit[b] + part), vec_set(on), vec_set(off));
 }
 
 static void gains_one(const struct gains_one *in, double gain[4])
 {
-    double low = in->cosine[0], high = in->cosine[1], fall = in->fall;
-    lanes on = {0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0}, sum = lanes_set(0.0), kappa, inverse;
     double out[LANES];
-    size_t k;
+    size_t part, k;
 
-    kappa = (lanes){low, high, low, high, low, low, low, low} - on * fall;
-    kappa = gain_clip(lanes_max(kappa, lanes_set(0.0)));
-    inverse = gain_inverse(kappa);
-    for (k = 0; k < in->channels; k++) {
-        double l = in->tau[0][k], h = in->tau[1][k];
-        lanes tau = (lanes){l, h, l, h, l, l, l, l} + on * in->shift[k];
+    for (part = 0; part < 4; part += VEC) {
+        vec kappa = by_bit(0, part, in->cosine[0], in->cosine[1]) - by_bit(1, part, 0.0, in->fall), inverse, sum;
 
-        sum += gain2_lanes(lanes_set(in->omega[k]), tau, kappa, inverse);
+        kappa = gain_clip(vec_max(kappa, vec_set(0.0)));
+        inverse = gain_inverse(kappa);
+        sum = vec_set(0.0);
+        for (k = 0; k < in->channels; k++) {
+            vec tau = by_bit(0, part, in->tau[0][k], in->tau[1][k]) + by_bit(1, part, 0.0, in->shift[k]);
+
+            sum += gain2_vec(vec_set(in->omega[k]), tau, kappa, inverse);
+        }
+        vec_store(out + part, sum);
     }
-    lanes_store(out, sum);
     for (k = 0; k < 4; k++) {
         gain[k] = out[k];
     }
@@ -75,67 +89,98 @@ static void gains_one(const struct gains_one *in, double gain[4])
 
 static double climb_one(const double gain[4])
 {
-    return climb(lanes_set(gain[0]), lanes_set(gain[2]), lanes_set(gain[1]), lanes_set(gain[3]))[0];
+    vec out = climb(vec_set(gain[0]), vec_set(gain[2]), vec_set(gain[1]), vec_set(gain[3]));
+
+    return out[0];
 }
 
-/* Corners in lanes 0 to 3 and again, with side 0 shifted, in 4 to 7; `second`: with side 1 shifted. */
-LANES_INLINE lanes gains_half(const struct gains_two *in, double second)
+/* With `second`, side 1 is shifted too. */
+LANES_INLINE void gains_half(const struct gains_two *in, int second, double *gain)
 {
-    const lanes first = {0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0};
-    struct gram3_lanes gram;
-    lanes cosine[3], sum = lanes_set(0.0);
-    size_t k;
-    int i;
+    size_t part, k;
 
-    for (i = 0; i < 3; i++) {
-        const double *v = in->cosine[i];
+    for (part = 0; part < LANES; part += VEC) {
+        const vec zero = vec_set(0.0);
+        struct gram3_vec gram;
+        vec cosine[3], sum = zero;
+        int i;
 
-        cosine[i] = (lanes){v[0], v[1], v[2], v[3], v[0], v[1], v[2], v[3]} - first * in->fall[i][0];
-        cosine[i] = lanes_max(cosine[i] - second * in->fall[i][1], lanes_set(0.0));
+        cosine[0] = by_bit(0, part, in->cosine[0][0], in->cosine[0][1]);
+        cosine[1] = by_bit(1, part, in->cosine[1][0], in->cosine[1][2]);
+        cosine[2] = vec_select(vec_load_mask(lane_bit[1] + part), by_bit(0, part, in->cosine[2][2], in->cosine[2][3]),
+                               by_bit(0, part, in->cosine[2][0], in->cosine[2][1]));
+        for (i = 0; i < 3; i++) {
+            cosine[i] = cosine[i] - by_bit(2, part, 0.0, in->fall[i][0]) - (second ? in->fall[i][1] : 0.0);
+            cosine[i] = vec_max(cosine[i], zero);
+        }
+        gram = gram3_vec(cosine[0], cosine[1], cosine[2]);
+        for (k = 0; k < in->channels; k++) {
+            vec t1 = by_bit(0, part, in->tau[0][0][k], in->tau[0][1][k]) + by_bit(2, part, 0.0, in->shift[0][k]);
+            vec t2 = by_bit(1, part, in->tau[1][0][k], in->tau[1][1][k]) + (second ? in->shift[1][k] : 0.0);
+
+            sum += gain3_vec(&gram, vec_set(in->omega[k]), t1, t2);
+        }
+        vec_store(gain + part, sum);
     }
-    gram = gram3_lanes(cosine[0], cosine[1], cosine[2]);
-    for (k = 0; k < in->channels; k++) {
-        double l0 = in->tau[0][0][k], h0 = in->tau[0][1][k], l1 = in->tau[1][0][k], h1 = in->tau[1][1][k];
-        lanes t1 = (lanes){l0, h0, l0, h0, l0, h0, l0, h0} + first * in->shift[0][k];
-        lanes t2 = (lanes){l1, l1, h1, h1, l1, l1, h1, h1} + second * in->shift[1][k];
-
-        sum += gain3_lanes(&gram, lanes_set(in->omega[k]), t1, t2);
-    }
-    return sum;
 }
 
 static void gains_two(const struct gains_two *in, int only_first, double gain[16])
 {
-    lanes_store(gain, gains_half(in, 0.0));
+    gains_half(in, 0, gain);
     if (!only_first) {
-        lanes_store(gain + 8, gains_half(in, 1.0));
+        gains_half(in, 1, gain + LANES);
     }
 }
 
-/*
- * Where the four arguments of a climb stand in gain[c0 + 2 c1 + 4 s0 + 8 s1]: lanes 0 to 3 climb along side 0 for each
- * (c1, s1), lanes 4 to 7 along side 1 for each (c0, s0).
- */
-LANES_INLINE lanes gather(const double *g, int end, int shifted)
+/* The numbers of `from` (16, or 8 of them) at the given places, below 16. */
+LANES_INLINE void pick(const double *from, size_t count, const int64_t place[LANES], double *to)
 {
-    int i = end + 4 * shifted, j = 2 * end + 8 * shifted;
+#if VEC == 8 && !defined(__clang__)
+    vec low = vec_load(from), high = count > VEC ? vec_load(from + VEC) : low;
 
-    return (lanes){g[i], g[i + 2], g[i + 8], g[i + 10], g[j], g[j + 1], g[j + 4], g[j + 5]};
+    vec_store(to, __builtin_shuffle(low, high, vec_load_mask(place)));
+#else
+    size_t l;
+
+    (void)count;
+    for (l = 0; l < LANES; l++) {
+        to[l] = from[place[l]];
+    }
+#endif
 }
 
 static double climb_two(const double gain[16], double lift[2])
 {
-    lanes low = gather(gain, 0, 0), low_shifted = gather(gain, 0, 1);
-    lanes high = gather(gain, 1, 0), high_shifted = gather(gain, 1, 1);
-    lanes along = climb(low, low_shifted, high, high_shifted);
-    lanes lifted = lanes_max(lanes_abs(low_shifted - low), lanes_abs(high_shifted - high));
-    double v[LANES], up[LANES], outer[LANES];
+    /* Places in gain[c0 + 2 c1 + 4 s0 + 8 s1] of low, low shifted, high, high shifted: lanes 0 to 3 climb along side 0,
+     * for each (c1, s1); lanes 4 to 7 along side 1, for each (c0, s0). */
+    static const int64_t place[4][LANES] = {{0, 2, 8, 10, 0, 1, 4, 5},
+                                            {4, 6, 12, 14, 8, 9, 12, 13},
+                                            {1, 3, 9, 11, 2, 3, 6, 7},
+                                            {5, 7, 13, 15, 10, 11, 14, 15}};
+    /* Lane 0: along side 1 outside; lane 1: along side 0. */
+    static const int64_t outside[4][LANES] = {{0, 4}, {2, 6}, {1, 5}, {3, 7}};
+    double argument[4][LANES], inner[LANES], outer[LANES];
+    size_t i, l;
 
-    lanes_store(v, along);
-    lanes_store(up, lifted);
-    lift[0] = largest(up, 2);     /* the other side not shifted: lanes (c1, s1 = 0) */
-    lift[1] = largest(up + 4, 2); /* lanes (c0, s0 = 0) */
-    lanes_store(outer, climb((lanes){v[0], v[4]}, (lanes){v[2], v[6]}, (lanes){v[1], v[5]}, (lanes){v[3], v[7]}));
+    for (i = 0; i < 4; i++) {
+        pick(gain, 16, place[i], argument[i]);
+    }
+    climbs(argument, LANES, inner);
+    for (i = 0; i < 2; i++) { /* the other side not shifted: the first two lanes of each four */
+        lift[i] = 0.0;
+        for (l = 4 * i; l < 4 * i + 2; l++) {
+            double low = argument[1][l] - argument[0][l], high = argument[3][l] - argument[2][l];
+
+            low = low < 0.0 ? -low : low;
+            high = high < 0.0 ? -high : high;
+            lift[i] = low > lift[i] ? low : lift[i];
+            lift[i] = high > lift[i] ? high : lift[i];
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        pick(inner, LANES, outside[i], argument[i]);
+    }
+    climbs(argument, VEC, outer);
     return outer[0] < outer[1] ? outer[0] : outer[1];
 }
 

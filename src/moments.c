@@ -20,6 +20,7 @@ void brdffit_moments_layout(struct moments *m, struct arena *arena, size_t count
     size_t stride = PADDED(count);
 
     m->capacity = capacity;
+    capacity += 2; /* and the scratch nodes */
     m->omega = ARENA_DOUBLES(arena, channels);
     m->norm = ARENA_DOUBLES(arena, channels);
     m->node = brdffit_arena_take(arena, capacity, sizeof *m->node);
@@ -49,7 +50,7 @@ void brdffit_moments_start(struct moments *m, const struct reduced *data, const 
         m->norm[k] = sqrt(data->ii[k]);
         m->omega[k] = (data->aa > 0.0 ? data->ai[k] / root : 0.0) + m->epsilon * m->norm[k];
     }
-    memset(m->ready, 0, m->capacity);
+    memset(m->ready, 0, m->capacity + 2);
     if (lobes > 1) {
         memset(m->cache, 0xff, PAIR_CACHE * sizeof *m->cache);
     }
@@ -172,9 +173,9 @@ static void fill_pair(struct moments *m, struct pair *pair)
     const struct node *p = &m->node[pair->first], *q = &m->node[pair->second];
     const double *phi = brdffit_moments_shape(m, p, m->scratch);
     const double *psi = brdffit_moments_shape(m, q, m->scratch + data->stride);
-    double sums[3], exponent;
+    double limit = m->family->exponential ? PAIR_EXPONENT / (p->u + q->u) : INFINITY, sums[3], exponent;
 
-    m->kernels->pair(data->bb, phi, psi, data->c, data->stride, sums);
+    m->kernels->pair(data->bb, phi, psi, data->c, limit, data->stride, sums);
     pair->value = sums[0];
     pair->mean = sums[1];
     pair->variance = sums[2];
@@ -196,5 +197,19 @@ const struct pair *brdffit_moments_pair(struct moments *m, uint32_t first, uint3
         pair->second = second;
         fill_pair(m, pair);
     }
+    return pair;
+}
+
+const struct node *brdffit_moments_scratch(struct moments *m, uint32_t slot, double theta)
+{
+    m->ready[m->capacity + slot] = 0;
+    return brdffit_moments_node(m, m->capacity + slot, theta);
+}
+
+struct pair brdffit_moments_scratch_pair(struct moments *m)
+{
+    struct pair pair = {.first = m->capacity, .second = m->capacity + 1};
+
+    fill_pair(m, &pair);
     return pair;
 }

@@ -69,6 +69,12 @@ void brdffit_moments_start(struct moments *moments, const struct reduced *data, 
 /* Node `index` at coordinate theta, computed on first use. */
 const struct node *brdffit_moments_node(struct moments *moments, uint32_t index, double theta);
 
+/* A node at any theta, kept until the next call with the same `slot` (0 or 1). */
+const struct node *brdffit_moments_scratch(struct moments *moments, uint32_t slot, double theta);
+
+/* The pair of the two scratch nodes. */
+struct pair brdffit_moments_scratch_pair(struct moments *moments);
+
 /* Pair of two computed nodes. */
 const struct pair *brdffit_moments_pair(struct moments *moments, uint32_t first, uint32_t second);
 

@@ -86,10 +86,21 @@ static int support_factor(const struct nnls *nnls, unsigned bits, struct nnls_su
     return 1;
 }
 
+static void factor_supports(struct nnls *nnls)
+{
+    unsigned bits;
+
+    nnls->support[0].count = 0;
+    for (bits = 1; bits < 1u << nnls->columns; bits++) {
+        if (!support_factor(nnls, bits, &nnls->support[bits])) {
+            nnls->support[bits].count = 0;
+        }
+    }
+}
+
 void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_t rows, int columns,
                          const double *const *column, double *q)
 {
-    unsigned bits;
     int i, j;
 
     nnls->kernels = kernels;
@@ -111,12 +122,7 @@ void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_
             orthogonalise(nnls, j);
         }
     }
-    nnls->support[0].count = 0;
-    for (bits = 1; bits < 1u << columns; bits++) {
-        if (!support_factor(nnls, bits, &nnls->support[bits])) {
-            nnls->support[bits].count = 0;
-        }
-    }
+    factor_supports(nnls);
 }
 
 /*
@@ -277,4 +283,44 @@ void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *res
             answer->z[j] = answer->unit[j] / nnls->norm[j] / nnls->scale[j] * answer->data_scale;
         }
     }
+}
+
+void brdffit_nnls_factor_gram(struct nnls *nnls, int columns, const double cosine[3])
+{
+    double (*r)[NNLS_COLUMNS] = nnls->r, square;
+    int i, j;
+
+    nnls->columns = columns;
+    for (i = 0; i < NNLS_COLUMNS; i++) {
+        for (j = 0; j < NNLS_COLUMNS; j++) {
+            r[i][j] = 0.0;
+        }
+    }
+    r[0][0] = 1.0;
+    r[0][1] = cosine[0];
+    square = (1.0 - cosine[0]) * (1.0 + cosine[0]);
+    r[1][1] = square > 0.0 ? sqrt(square) : 0.0;
+    if (columns > 2) {
+        r[0][2] = cosine[1];
+        r[1][2] = r[1][1] > 0.0 ? (cosine[2] - cosine[0] * cosine[1]) / r[1][1] : 0.0;
+        square = (1.0 - cosine[1]) * (1.0 + cosine[1]) - r[1][2] * r[1][2];
+        r[2][2] = square > 0.0 ? sqrt(square) : 0.0;
+    }
+    factor_supports(nnls);
+}
+
+unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double unit[NNLS_COLUMNS])
+{
+    double q[NNLS_COLUMNS] = {0.0, 0.0, 0.0};
+    int i, j;
+
+    for (j = 0; j < nnls->columns; j++) {
+        double rest = t[j];
+
+        for (i = 0; i < j; i++) {
+            rest -= nnls->r[i][j] * q[i];
+        }
+        q[j] = nnls->r[j][j] > 0.0 ? rest / nnls->r[j][j] : 0.0;
+    }
+    return best_support(nnls, q, unit);
 }

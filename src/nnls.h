@@ -55,6 +55,15 @@ void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_
 void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual,
                         struct nnls_answer *answer);
 
+/*
+ * The same from cosines 01, 02, 12 of unit columns (two columns: the first), without the columns: brdffit_nnls_support()
+ * is then the answer to t = column . data of each. Accurate as far as the cosines are.
+ */
+void brdffit_nnls_factor_gram(struct nnls *nnls, int columns, const double cosine[3]);
+
+/* Writes unit-column coefficients and returns their support. */
+unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double unit[NNLS_COLUMNS]);
+
 /* R(t, M) for 2 columns with t = (p, q) and cosine kappa in [0, 1]. */
 double brdffit_nnls_gain2(double p, double q, double kappa);
 

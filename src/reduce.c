@@ -56,8 +56,8 @@ static brdffit_status check_values(struct reduced *r, const brdffit_samples *s, 
         if (!isfinite(value[k])) {
             return brdffit_fail_at(error, "value is not finite", i, k, value[k]);
         }
-        r->channel_scale[k] = fmax(r->channel_scale[k], radiance);
-        r->ii[k] = fmax(r->ii[k], fabs(radiance));
+        r->channel_scale[k] = larger(r->channel_scale[k], radiance);
+        r->ii[k] = larger(r->ii[k], fabs(radiance));
     }
     return BRDFFIT_OK;
 }
@@ -108,8 +108,8 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
 }
 
 /* Divisor of each channel; with NORMALISE_NONE one power of two for all, undone in the result. */
-static brdffit_status choose_channel_scales(struct reduced *r, const brdffit_options *options,
-                                            brdffit_error *error)
+brdffit_status brdffit_reduce_channel_scales(struct reduced *r, const brdffit_options *options,
+                                             brdffit_error *error)
 {
     double magnitude = vector_largest(r->ii, r->channels);
     size_t k;
@@ -150,10 +150,10 @@ static brdffit_status choose_scales(struct reduced *r, const brdffit_samples *s,
     size_t j;
 
     for (j = 0; j < r->used; j++) {
-        largest_a = fmax(largest_a, r->sample_a[j]);
-        largest_b = fmax(largest_b, r->sample_b[j]);
+        largest_a = larger(largest_a, r->sample_a[j]);
+        largest_b = larger(largest_b, r->sample_b[j]);
         if (s->weights) {
-            largest_w = fmax(largest_w, s->weights[r->sample[j]]);
+            largest_w = larger(largest_w, s->weights[r->sample[j]]);
         }
     }
     r->scale_a = power_of_two(largest_a);
@@ -183,7 +183,7 @@ static int not_after(const double *c, uint32_t p, uint32_t q)
 }
 
 /* Order by c, then by index: bottom-up merge sort that starts from runs already ascending (a MERL table is one). */
-static void sort_by_c(struct reduced *r)
+void brdffit_reduce_sort(struct reduced *r)
 {
     uint32_t *from = r->order, *to = r->merge;
     size_t n = r->used, begin, i;
@@ -224,7 +224,7 @@ static void sort_by_c(struct reduced *r)
  * sums merge once they have one c. The change relative to c - c_min is kept, for the moments to allow for; samples
  * that join c_min itself have it by definition.
  */
-static void snap_c(struct reduced *r)
+void brdffit_reduce_snap(struct reduced *r)
 {
     double low = r->sample_c[r->order[0]], first = low;
     size_t i;
@@ -236,7 +236,7 @@ static void snap_c(struct reduced *r)
         if (!(change <= reach && (first == low || change <= TOL_SNAP * (first - low)))) {
             first = *c;
         } else {
-            r->snapped = first == low ? r->snapped : fmax(r->snapped, change / (first - low));
+            r->snapped = first == low ? r->snapped : larger(r->snapped, change / (first - low));
             *c = first;
         }
     }
@@ -248,16 +248,17 @@ brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *sa
     brdffit_status status = classify(reduced, samples, options, error);
 
     if (status == BRDFFIT_OK) {
-        status = choose_channel_scales(reduced, options, error);
+        status = brdffit_reduce_channel_scales(reduced, options, error);
     }
     if (status == BRDFFIT_OK) {
         status = choose_scales(reduced, samples, options->norm, error);
     }
     if (status == BRDFFIT_OK) {
-        sort_by_c(reduced);
+        brdffit_reduce_sort(reduced);
         reduced->snapped = 0.0;
+        reduced->counted = reduced->used;
         if (samples->form == BRDFFIT_FORM_DIRECTIONS) {
-            snap_c(reduced);
+            brdffit_reduce_snap(reduced);
         }
         brdffit_reduce_sums(reduced, samples);
         brdffit_reduce_rows(reduced, samples, options->norm);

@@ -45,7 +45,8 @@ struct reduced {
 
     double scale_a, scale_b, scale_w;
     double *channel_scale; /* K: what values are divided by inside */
-    size_t used;
+    size_t used;       /* samples reduced; distance of two channels of row_value */
+    size_t counted;    /* samples that the result says were used: the same, unless they came as sums */
     size_t skipped[BRDFFIT_SKIP_COUNT];
 
     /* scratch while reducing */

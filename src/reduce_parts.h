@@ -1,5 +1,5 @@
 /*
- * The two halves of the reduction after sorting; only reduce.c calls them. Layer 2.
+ * The steps of the reduction, for reduce.c and for sums_reduce.c, whose "samples" are groups. Layer 2.
  * SPDX-License-Identifier: MIT
  */
 #ifndef BRDFFIT_REDUCE_PARTS_H
@@ -9,6 +9,19 @@
 
 /* Samples that are summed plainly, or triangularised at once, before the next step. */
 #define REDUCE_BLOCK 64u
+
+/* Divisor of each channel, from its largest value in channel_scale and its largest magnitude in ii. */
+brdffit_status brdffit_reduce_channel_scales(struct reduced *reduced, const brdffit_options *options,
+                                             brdffit_error *error);
+
+/* Order by c, then by index. */
+void brdffit_reduce_sort(struct reduced *reduced);
+
+/* Give half-vector angles within rounding one c. */
+void brdffit_reduce_snap(struct reduced *reduced);
+
+/* Sets distinct, stride, c_min and c; clears what is summed over them. */
+void brdffit_reduce_groups(struct reduced *reduced);
 
 /* Sums over samples of equal c; sets distinct, stride, c_min and every sum. */
 void brdffit_reduce_sums(struct reduced *reduced, const brdffit_samples *samples);

@@ -11,6 +11,8 @@
 
 #include <math.h>
 
+#include "vector.h"
+
 double brdffit_reduce_value(const struct reduced *r, const brdffit_samples *samples, uint32_t j, size_t k)
 {
     double value = samples->values[(size_t)r->sample[j] * samples->channels + k];
@@ -36,7 +38,7 @@ static double square_of(const struct reduced *r, const brdffit_samples *samples,
 {
     double w = samples->weights ? samples->weights[r->sample[j]] / r->scale_w : 1.0;
 
-    return norm == BRDFFIT_NORM_LINF ? w : 1.0 / fmax(w, 1e-300);
+    return norm == BRDFFIT_NORM_LINF ? w : 1.0 / larger(w, 1e-300);
 }
 
 static void sample_rows(struct reduced *r, const brdffit_samples *samples, size_t begin, size_t end, uint32_t group,
@@ -59,7 +61,7 @@ static double total_of(const struct reduced *r, brdffit_norm norm)
         for (i = 0; i < r->rows; i++) {
             double value = fabs(r->row_value[k * r->used + i]);
 
-            total = norm == BRDFFIT_NORM_L1 ? total + value : fmax(total, value);
+            total = norm == BRDFFIT_NORM_L1 ? total + value : larger(total, value);
         }
     }
     return total;
@@ -72,7 +74,7 @@ static void reflect(double *m, size_t rows, size_t width, size_t at)
     size_t i, k;
 
     for (i = at; i < rows; i++) {
-        largest = fmax(largest, fabs(m[i * width + at]));
+        largest = larger(largest, fabs(m[i * width + at]));
     }
     if (!(largest > 0.0)) {
         return;

@@ -10,6 +10,8 @@
 
 #include <math.h>
 
+#include "vector.h"
+
 /* A compensated sum: high + low is the sum so far. */
 struct sum {
     double high, low;
@@ -109,13 +111,13 @@ static double largest_b(const struct reduced *r, size_t begin, size_t end)
     size_t place;
 
     for (place = begin; place < end; place++) {
-        largest = fmax(largest, r->sample_b[r->order[place]]);
+        largest = larger(largest, r->sample_b[r->order[place]]);
     }
     return largest;
 }
 
 /* Distinct c among samples that have a lobe; they come first in the order. At least 1. */
-static void find_distinct(struct reduced *r)
+static void distinct_c(struct reduced *r)
 {
     size_t place = 0;
 
@@ -151,6 +153,12 @@ static void clear_groups(struct reduced *r)
     for (j = 0; j < r->stride * (1 + 2 * r->channels); j++) {
         r->linear[j] = 0.0;
     }
+}
+
+void brdffit_reduce_groups(struct reduced *r)
+{
+    distinct_c(r);
+    clear_groups(r);
 }
 
 static double sum_geometry(struct reduced *r)
@@ -210,8 +218,7 @@ void brdffit_reduce_sums(struct reduced *r, const brdffit_samples *samples)
     int any_negative = 0;
     size_t j, k;
 
-    find_distinct(r);
-    clear_groups(r);
+    brdffit_reduce_groups(r);
     r->aa = sum_geometry(r);
     r->total = 0.0;
     for (k = 0; k < r->channels; k++) {

@@ -72,7 +72,7 @@ static double flat_end(struct fit *f, const struct point *at, int p, double end,
             inside = outside;
         }
     }
-    for (i = 0; i < 40 && inside != outside; i++) {
+    for (i = 0; i < 40 && fabs(outside - inside) > FLAT_END; i++) {
         double middle = 0.5 * (inside + outside);
 
         if (same_level(f, at, p, middle, level)) {
@@ -106,15 +106,16 @@ static struct level level_of(const struct fit *f, double objective)
 
 /*
  * Where the objective is flat to rounding on both sides of the optimum, or up to the end of the domain, sigma is
- * not identified: move to the largest, one lobe after the other. Returns the lobes that are flat, as bits.
+ * not identified: move to the largest, one lobe after the other. Returns the lobes that are flat, as bits; those of
+ * `curved` are known not to be.
  */
-static unsigned move_to_largest(struct fit *f, struct point *at, const struct level *level)
+static unsigned move_to_largest(struct fit *f, struct point *at, const struct level *level, unsigned curved)
 {
     unsigned flat = 0;
     int p;
 
     for (p = 0; p < f->varpro.lobes; p++) {
-        if (flat_towards(f, at, p, f->theta_low, level) && flat_towards(f, at, p, f->theta_high, level)) {
+        if (!(curved >> p & 1) && flat_towards(f, at, p, f->theta_low, level) && flat_towards(f, at, p, f->theta_high, level)) {
             at->theta[p] = flat_end(f, at, p, f->theta_low, level);
             flat |= 1u << p;
         }
@@ -259,18 +260,34 @@ static double sum_of_squares(const struct fit *f)
     return sum;
 }
 
-/* Lobes in ascending sigma, that is, descending theta. */
-static void order_lobes(struct point *at, brdffit_lobe *lobe, int lobes)
+/* Lobes in ascending sigma, that is, descending theta; returns whether they were not. */
+static int order_lobes(struct point *at, brdffit_lobe *lobe, int lobes)
 {
-    if (lobes > 1 && at->theta[0] < at->theta[1]) {
-        double theta = at->theta[0];
-        brdffit_lobe first = lobe[0];
+    double theta = at->theta[0];
+    brdffit_lobe first = lobe[0];
 
-        at->theta[0] = at->theta[1];
-        at->theta[1] = theta;
-        lobe[0] = lobe[1];
-        lobe[1] = first;
+    if (lobes < 2 || !(theta < at->theta[1])) {
+        return 0;
     }
+    at->theta[0] = at->theta[1];
+    at->theta[1] = theta;
+    lobe[0] = lobe[1];
+    lobe[1] = first;
+    return 1;
+}
+
+/* Lobes, as bits, whose curvature at the point leaves no doubt that FLAT_STEP changes the objective. */
+static unsigned curved_lobes(const struct fit *f, const struct varpro_value *value, const struct level *level)
+{
+    unsigned curved = 0;
+    int p;
+
+    for (p = 0; p < f->varpro.lobes; p++) {
+        if (0.5 * value->hessian[p][p] * (FLAT_STEP * FLAT_STEP) > FLAT_DOUBT * level->tolerance) {
+            curved |= 1u << p;
+        }
+    }
+    return curved;
 }
 
 /* The arrays of the result, in the caller's units. */
@@ -296,7 +313,7 @@ static void publish(struct fit *f, const brdffit_options *o, brdffit_result *res
     }
     result->sigma_floor = f->theta_flat < f->theta_low ? INFINITY : brdffit_fit_sigma(f, f->theta_flat, o);
     result->distinct_c = f->data.distinct;
-    result->samples_used = f->data.used;
+    result->samples_used = f->data.counted;
     for (p = 0; p < BRDFFIT_SKIP_COUNT; p++) {
         result->samples_skipped[p] = f->data.skipped[p];
     }
@@ -309,17 +326,24 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     struct point at = found->point;
     const struct level level = level_of(f, found->objective);
     struct varpro_value value;
-    unsigned flat;
-    int p;
+    unsigned all = (1u << o->lobes) - 1, curved = 0, flat;
+    int p, swapped;
 
     *result = zero;
-    flat = move_to_largest(f, &at, &level);
+    (void)order_lobes(&at, result->lobe, o->lobes);
+    if (f->norm == BRDFFIT_NORM_L2) {
+        brdffit_varpro_evaluate(&f->varpro, &at, 1, &value);
+        curved = curved_lobes(f, &value, &level);
+    }
+    flat = move_to_largest(f, &at, &level, curved);
     for (p = 0; p < o->lobes; p++) {
         describe_lobe(f, &at, p, (flat >> p) & 1, &level, o, &result->lobe[p]);
         result->lobe[p].effective_samples = effective_samples(f, at.theta[p]);
     }
-    order_lobes(&at, result->lobe, o->lobes);
-    brdffit_fit_evaluate(f, &at, 1, &value);
+    swapped = order_lobes(&at, result->lobe, o->lobes);
+    if (curved != all || swapped) {
+        brdffit_fit_evaluate(f, &at, 1, &value);
+    }
     coefficients(f, &at);
     lobe_shares(f, result);
     certificate(f, found, value.objective, objective_scale, o, result);

@@ -90,6 +90,7 @@ static void reprove(struct fit *f, const brdffit_options *o, struct search_rules
     engine.self = r;
     engine.lobes = o->lobes;
     engine.bound = bound;
+    engine.start = NULL;
     engine.try_point = try_point;
     engine.width = width;
     engine.noise = 0.0;

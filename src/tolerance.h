@@ -30,6 +30,8 @@
 
 /* Largest ratio of two non-zero b (or a) that squares into a double with room for sums. */
 #define LIMIT_COEFFICIENT_RATIO 1e140
+/* Products of two shapes below exp(-this) = 5e-301 are left out of sums: a relative 1e-20 with that ratio. */
+#define PAIR_EXPONENT 690.0
 /* Largest c (tan^2 alpha): its products with s stay finite. */
 #define LIMIT_C 1e100
 /* Smallest largest value of a channel: coefficients in the data's units must keep their digits. */
@@ -56,6 +58,17 @@
  * TOL_MOMENT_BASE + M / 8 with a factor of 2 to spare. Inputs of the bound are inflated by this much.
  */
 #define TOL_MOMENT_BASE 100.0
+/*
+ * What rows made of sums (sums_reduce.c) may be off, in units of u relative to (|a x| + |b Y| + |I|)^2: sums within 80
+ * (strip.h, sums.h), their factors within 8, Cholesky within 16, and its shift of 160 at most. The
+ * optimum has no negative terms, so that each norm is at most |I|: its objective is off by at most 9 such units of the data's sum of squares.
+ */
+#define TOL_GRAM 320.0
+/* Sums keep products of weights and coefficients without scaling them: each non-zero b and w within this of 1, and a
+ * and |I| below the second, so that w^2 b^4 and w I^2 are normal numbers with room for 1e8 samples. */
+#define LIMIT_SUMS_RANGE 1e50
+#define LIMIT_SUMS_VALUE 1e100
+
 /* Evaluation of the restricted gain (gain.h), at most 64, and of the climb over a box (kernels_gains.h), in units of u
  * relative to |t|^2. */
 #define TOL_GAIN 128.0
@@ -79,6 +92,10 @@
 #define TOL_FLAT_LINEAR 1e-14
 /* Step in ln s that shows whether the objective is flat; 0.5 % of sigma. */
 #define FLAT_STEP 0.01
+/* The second derivative alone decides where it says this many times what counts as a change. */
+#define FLAT_DOUBT 1e3
+/* Ends of a flat stretch are found to this in ln s; they are never outside of it. */
+#define FLAT_END 1e-3
 /* Longest step in ln s along a flat stretch: between two such points the objective is taken to be level too. */
 #define FLAT_STRIDE 0.15
 

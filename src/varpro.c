@@ -204,3 +204,15 @@ void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int deriv
         }
     }
 }
+
+static void evaluate(void *self, const struct point *at, int derivatives, struct varpro_value *value)
+{
+    brdffit_varpro_evaluate(self, at, derivatives, value);
+}
+
+double brdffit_varpro_descend(struct varpro *v, struct point *point)
+{
+    const struct newton descent = {v, evaluate, v->lobes, v->theta_low, v->theta_high, 0.0};
+
+    return brdffit_newton(&descent, point);
+}

@@ -6,7 +6,7 @@
 #ifndef BRDFFIT_VARPRO_H
 #define BRDFFIT_VARPRO_H
 
-#include "axis.h"
+#include "newton.h"
 #include "family.h"
 #include "nnls.h"
 #include "reduce.h"
@@ -26,13 +26,6 @@ struct varpro {
     double *residual;   /* R */
     struct nnls nnls;
     struct nnls_answer *answer; /* K, of the last evaluation */
-};
-
-/* Objective at a point and, when derivatives were asked for, its gradient and Hessian by theta. */
-struct varpro_value {
-    double objective, kkt;
-    double gradient[2];
-    double hessian[2][2];
 };
 
 void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, size_t channels, int lobes);

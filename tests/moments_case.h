@@ -117,7 +117,7 @@ static inline void mc_new(struct moments_case *m, uint64_t seed)
     m->options.max_incidence = 90.0;
     m->options.lobes = 2;
     m->options.distribution = m->ggx ? BRDFFIT_GGX : BRDFFIT_BECKMANN;
-    m->options.box_budget = 64;
+    m->options.box_budget = 96;
     size = brdffit_workspace_size(m->count, m->channels, &m->options);
     m->workspace = malloc(size);
     assert_non_null(m->workspace);

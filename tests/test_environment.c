@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "brdffit_io.h"
 #include "environment.h"
 #include "support.h"
 
@@ -237,6 +238,40 @@ static void test_subnormal_option(void **state)
     }
 }
 
+/* Decimal numbers that rounding decides, a subnormal one, and angles. */
+static void test_reading(void **state)
+{
+    static const char text[] = "theta_i,phi_i,theta_o,phi_o,weight,r\n"
+                               "10.1,33.3,20.7,200,0.1,1.1\n"
+                               "41.3,1e-3,7.77,12,1e-310,123456789012345678901234567890e-31\n"
+                               "0.3,359.9,59.999999999999,180,3e-5,1.00000000000000011102230246251565\n";
+    double light[2][84 * 3], view[2][84 * 3];
+    brdffit_table *first, *other;
+    size_t mode;
+
+    (void)state;
+    assert_int_equal(brdffit_io_read_memory(text, sizeof text - 1, NULL, &first, NULL), BRDFFIT_OK);
+    assert_int_equal(first->samples.count, 3);
+    brdffit_io_protocol84(light[0], view[0]);
+    for (mode = 0; mode < MODES; mode++) {
+        brdffit_status status;
+
+        leave_tests(mode);
+        status = brdffit_io_read_memory(text, sizeof text - 1, NULL, &other, NULL);
+        brdffit_io_protocol84(light[1], view[1]);
+        back_to_tests(mode);
+        assert_int_equal(status, BRDFFIT_OK);
+        assert_memory_equal(first->samples.light, other->samples.light, 9 * sizeof(double));
+        assert_memory_equal(first->samples.view, other->samples.view, 9 * sizeof(double));
+        assert_memory_equal(first->samples.values, other->samples.values, 3 * sizeof(double));
+        assert_memory_equal(first->samples.weights, other->samples.weights, 3 * sizeof(double));
+        assert_memory_equal(light[0], light[1], sizeof light[0]);
+        assert_memory_equal(view[0], view[1], sizeof view[0]);
+        brdffit_io_free(other);
+    }
+    brdffit_io_free(first);
+}
+
 #ifndef BRDFFIT_NO_ECOS
 static void test_norms_and_cones(void **state)
 {
@@ -258,6 +293,7 @@ int main(void)
         cmocka_unit_test(test_fits),
         cmocka_unit_test(test_subnormals),
         cmocka_unit_test(test_subnormal_option),
+        cmocka_unit_test(test_reading),
 #ifndef BRDFFIT_NO_ECOS
         cmocka_unit_test(test_norms_and_cones),
 #endif

@@ -10,10 +10,23 @@
 
 #include <unistd.h>
 
+#define BRDFFIT_FUZZ_IN_TEST
+#include "fuzz/fuzz_npz.c"
 #include "io_support.h"
 
+static brdffit_status read_one(const void *data, size_t size, const char *path, const brdffit_io_options *options,
+                               int sums, brdffit_table **table, brdffit_error *error)
+{
+    if (sums) {
+        return data ? brdffit_io_read_sums_memory(data, size, options, NULL, table, error)
+                    : brdffit_io_read_sums(path, options, NULL, table, error);
+    }
+    return data ? brdffit_io_read_memory(data, size, options, table, error)
+                : brdffit_io_read(path, options, table, error);
+}
+
 /* Read `data` (or, with data NULL, `path`), failing allocation 0, 1, ... until none is left to fail. */
-static size_t fail_each(const void *data, size_t size, const char *path, const brdffit_io_options *options)
+static size_t fail_each_of(const void *data, size_t size, const char *path, const brdffit_io_options *options, int sums)
 {
     long k;
 
@@ -24,8 +37,7 @@ static size_t fail_each(const void *data, size_t size, const char *path, const b
 
         memset(&error, 0, sizeof error);
         brdffit_io_test_fail_after(k);
-        status = data ? brdffit_io_read_memory(data, size, options, &table, &error)
-                      : brdffit_io_read(path, options, &table, &error);
+        status = read_one(data, size, path, options, sums, &table, &error);
         brdffit_io_test_fail_after(-1);
         if (status == BRDFFIT_OK) {
             assert_true(brdffit_io_test_live() > 0);
@@ -38,6 +50,11 @@ static size_t fail_each(const void *data, size_t size, const char *path, const b
     }
     fail();
     return 0;
+}
+
+static size_t fail_each(const void *data, size_t size, const char *path, const brdffit_io_options *options)
+{
+    return fail_each_of(data, size, path, options, 0);
 }
 
 static void test_csv(void **state)
@@ -105,6 +122,8 @@ static void test_gzip(void **state)
     (void)state;
     gz = io_gzip(merl.data, merl.size, &size);
     assert_true(fail_each(gz, size, NULL, NULL) >= plain + 3);
+    assert_true(fail_each_of(merl.data, merl.size, NULL, NULL, 1) >= 10);
+    assert_true(fail_each_of(gz, size, NULL, NULL, 1) >= 13);
     free(gz);
     free(merl.data);
 }
@@ -156,12 +175,43 @@ static void test_sizes(void **state)
     assert_int_equal(brdffit_io_test_live(), 0);
 }
 
+/* An array in a .npz: file or memory, stored or deflated. */
+static void test_array(void **state)
+{
+    const struct fuzz_seed *seeds = make_seeds();
+    size_t i;
+    long k;
+
+    (void)state;
+    for (i = 0; i < SEED_COUNT; i++) {
+        for (k = 0;; k++) {
+            brdffit_array *array = (brdffit_array *)&array;
+            brdffit_error error;
+            brdffit_status status;
+
+            assert_true(k < 100);
+            memset(&error, 0, sizeof error);
+            brdffit_io_test_fail_after(k);
+            status = brdffit_io_array_open_memory(seeds[i].data, seeds[i].size, "b", &array, &error);
+            brdffit_io_test_fail_after(-1);
+            if (status == BRDFFIT_OK) {
+                brdffit_io_array_close(array);
+                break;
+            }
+            io_assert_failed(status, (brdffit_table *)array, &error, BRDFFIT_ERR_MEMORY, "out of memory");
+            assert_int_equal(brdffit_io_test_live(), 0);
+        }
+        assert_int_equal(brdffit_io_test_live(), 0);
+        assert_true(k >= (i == 0 ? 4 : 6)); /* array, tail, directory, header; unpacked bytes and zlib's */
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_csv),  cmocka_unit_test(test_csv_grows), cmocka_unit_test(test_merl),
         cmocka_unit_test(test_gzip), cmocka_unit_test(test_file),      cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_sizes), cmocka_unit_test(test_array),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,13 +1,14 @@
 /*
  * Random problems of every kind, each result judged: layouts, forms, distributions (also other than the truth's),
  * noise, weights, tilted normals, zeros and negatives in the data, ranges of sigma, gaps, budgets.
- * To see more of them: test_random FIRST COUNT. SPDX-License-Identifier: MIT
+ * Every third also has the same bits with each instruction set that runs here. To see more of them: test_random FIRST COUNT. SPDX-License-Identifier: MIT
  */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -90,9 +91,46 @@ static int too_small(const struct brdffit_test_data *data, brdffit_normalise nor
     return normalise == BRDFFIT_NORMALISE_NONE && all > 0.0 && all < 1e-140;
 }
 
+/* Everything of a result but its pointers, and what these point at. */
+static void assert_same_bits(const brdffit_result *p, const brdffit_result *q, size_t channels, int lobes)
+{
+    brdffit_result a = *p, b = *q;
+
+    a.model.x = b.model.x = a.model.y = b.model.y = NULL;
+    a.channel_scale = b.channel_scale = a.rms = b.rms = NULL;
+    assert_memory_equal(&a, &b, sizeof a);
+    assert_memory_equal(p->model.x, q->model.x, channels * sizeof(double));
+    assert_memory_equal(p->model.y, q->model.y, channels * (size_t)lobes * sizeof(double));
+    assert_memory_equal(p->rms, q->rms, channels * sizeof(double));
+    assert_memory_equal(p->channel_scale, q->channel_scale, channels * sizeof(double));
+}
+
+/* The result with every instruction set is `expected`, to the bit. */
+static int with_every_isa(const brdffit_samples *samples, const brdffit_options *options, const brdffit_result *expected)
+{
+    int isa, ran = 0;
+
+    for (isa = BRDFFIT_ISA_BASE; isa < BRDFFIT_ISA_COUNT; isa++) {
+        brdffit_options other = *options;
+        brdffit_result *result;
+
+        other.isa = (brdffit_isa)isa;
+        if (!brdffit_isa_supported(other.isa)) {
+            assert_int_equal(brdffit_fit_new(samples, &other, &result, NULL), BRDFFIT_ERR_UNSUPPORTED);
+            continue;
+        }
+        assert_int_equal(brdffit_fit_new(samples, &other, &result, NULL), BRDFFIT_OK);
+        assert_same_bits(result, expected, samples->channels, options->lobes);
+        brdffit_fit_free(result);
+        ran++;
+    }
+    return ran;
+}
+
 static void test_random_problems(void **state)
 {
     unsigned long seed, fitted = 0;
+    int compared = 0;
 
     (void)state;
     for (seed = first; seed < first + count; seed++) {
@@ -116,6 +154,9 @@ static void test_random_problems(void **state)
         if (brdffit_inspect(&data.samples, &options, &used, NULL, NULL) == BRDFFIT_OK) {
             brdffit_test_fit(&data.samples, &options, &fit);
             assert_int_equal(fit.result.samples_used, used);
+            if (seed % 3 == 0) {
+                compared += with_every_isa(&data.samples, &options, &fit.result);
+            }
             fitted++;
             brdffit_test_fit_free(&fit);
         } else {
@@ -124,6 +165,8 @@ static void test_random_problems(void **state)
         brdffit_test_data_free(&data);
     }
     assert_true(fitted > count / 2);
+    print_message("%lu fits judged, %d of them repeated with another instruction set\n", fitted, compared);
+    assert_true(compared > 0);
 }
 
 int main(int argc, char **argv)

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "support.h"
+#include "tolerance.h"
 
 static brdffit_options options_of(int lobes, size_t budget)
 {
@@ -70,7 +71,7 @@ static brdffit_reproof verify(const brdffit_samples *samples, const brdffit_opti
     assert_true(!options->socp_every_box || reproof.decided == 0);
     assert_true(reproof.proven ? reproof.unproven == 0.0 : reproof.unproven >= 0.0 && reproof.unproven <= 1.0);
     if (reproof.proven && options->lobes == 1 && options->sigma_min < options->sigma_max) {
-        assert_int_equal(2 * reproof.leaves, reproof.boxes + 16); /* a binary tree on each of the first 16 */
+        assert_int_equal(2 * reproof.leaves, reproof.boxes + FIRST_INTERVALS); /* a binary tree on each */
     }
     return reproof;
 }

@@ -14,6 +14,7 @@
 #include "fail.h"
 #include "limits.h"
 #include "memory.h"
+#include "zlib_memory.h"
 
 /* Fits zlib's uInt. */
 #define CHUNK ((size_t)1 << 30)
@@ -21,18 +22,6 @@
 int brdffit_io_is_gzip(const unsigned char *data, size_t size)
 {
     return size >= 2 && data[0] == 0x1f && data[1] == 0x8b;
-}
-
-static void *zlib_alloc(void *unused, unsigned count, unsigned size)
-{
-    (void)unused;
-    return brdffit_io_alloc(count, size);
-}
-
-static void zlib_free(void *unused, void *block)
-{
-    (void)unused;
-    brdffit_io_release(block);
 }
 
 static brdffit_status damaged(const z_stream *stream, brdffit_error *error)
@@ -126,9 +115,7 @@ brdffit_status brdffit_io_gunzip(const unsigned char *data, size_t size, size_t 
     size_t guess = size < limit / 4 ? 4 * size : limit;
     int code;
 
-    memset(&stream, 0, sizeof stream);
-    stream.zalloc = zlib_alloc;
-    stream.zfree = zlib_free;
+    brdffit_io_zlib_start(&stream);
     code = inflateInit2(&stream, 16 + MAX_WBITS); /* 16: gzip headers, checksums verified */
     if (code != Z_OK) {
         return code == Z_MEM_ERROR ? brdffit_io_no_memory(error)

@@ -32,4 +32,16 @@
  * 1e-16 a component, and half vectors of them by a few times that. 6e-13 degrees is far below any aim. */
 #define IO_EDGE_SNAP 1e-14
 
+/* Longest header of a .npy, bytes. NumPy writes 118 for any array of numbers and refuses 10,000 by default. */
+#define IO_LIMIT_NPY_HEADER ((size_t)65535)
+
+/* Largest directory of a .npz, bytes: some ten thousand members. */
+#define IO_LIMIT_ZIP_DIRECTORY ((size_t)1048576)
+
+/* Longest name of a member of a .npz, bytes. */
+#define IO_LIMIT_ZIP_NAME ((size_t)255)
+
+/* Elements converted at a time. */
+#define IO_ELEMENTS ((size_t)4096)
+
 #endif

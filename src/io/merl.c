@@ -86,7 +86,7 @@ static uint64_t overflow_of(const unsigned char *entry)
 }
 
 /* The whole table must be finite, whatever part of it will be used. */
-static brdffit_status check_finite(const struct merl *merl, brdffit_error *error)
+brdffit_status brdffit_io_merl_finite(const struct merl *merl, brdffit_error *error)
 {
     struct io_place place = IO_NOWHERE;
     size_t i, total = MERL_CHANNELS * merl->cells;
@@ -111,6 +111,23 @@ static int name_channels(struct io_table *table)
 {
     return brdffit_io_table_channels(table, MERL_CHANNELS) && brdffit_io_table_name(table, 0, "r", 1) &&
            brdffit_io_table_name(table, 1, "g", 1) && brdffit_io_table_name(table, 2, "b", 1);
+}
+
+int brdffit_io_merl_describe(const struct merl *merl, const brdffit_io_options *options, struct io_table *table)
+{
+    table->open.format = BRDFFIT_IO_FORMAT_MERL;
+    memcpy(table->open.dims, merl->dims, sizeof merl->dims);
+    table->open.rows = merl->cells;
+    table->open.merl_bins = options->merl_bins;
+    table->open.merl_sampling = options->merl_sampling;
+    table->open.samples.quantity = options->quantity_set ? options->quantity : BRDFFIT_QUANTITY_BRDF;
+    return name_channels(table);
+}
+
+brdffit_status brdffit_io_merl_empty(brdffit_error *error)
+{
+    return brdffit_io_fail(error, BRDFFIT_ERR_NO_SAMPLES,
+                           "every entry asked for is masked (negative) or below the horizon");
 }
 
 static brdffit_status sample(const struct merl *merl, const brdffit_io_options *options, struct io_table *table,
@@ -139,24 +156,17 @@ brdffit_status brdffit_io_merl_read(const unsigned char *data, size_t size, cons
     brdffit_status status = brdffit_io_merl_open(data, size, &merl, error);
 
     if (status == BRDFFIT_OK) {
-        status = check_finite(&merl, error);
+        status = brdffit_io_merl_finite(&merl, error);
     }
     if (status != BRDFFIT_OK) {
         return status;
     }
-    if (!name_channels(table)) {
+    if (!brdffit_io_merl_describe(&merl, options, table)) {
         return brdffit_io_no_memory(error);
     }
-    table->open.format = BRDFFIT_IO_FORMAT_MERL;
-    memcpy(table->open.dims, merl.dims, sizeof merl.dims);
-    table->open.rows = merl.cells;
-    table->open.merl_bins = options->merl_bins;
-    table->open.merl_sampling = options->merl_sampling;
-    table->open.samples.quantity = options->quantity_set ? options->quantity : BRDFFIT_QUANTITY_BRDF;
     status = sample(&merl, options, table, error);
     if (status == BRDFFIT_OK && table->open.samples.count == 0) {
-        return brdffit_io_fail(error, BRDFFIT_ERR_NO_SAMPLES,
-                               "every entry asked for is masked (negative) or below the horizon");
+        return brdffit_io_merl_empty(error);
     }
     if (status == BRDFFIT_OK) {
         brdffit_io_table_publish(table);

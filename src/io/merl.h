@@ -50,7 +50,19 @@ extern const double brdffit_io_merl_scale[MERL_CHANNELS];
 brdffit_status brdffit_io_merl_read(const unsigned char *data, size_t size, const brdffit_io_options *options,
                                     struct io_table *table, brdffit_error *error);
 
-/* Parts of the above: every cell (merl_table.c), or the cells of directions (merl_lookup.c). */
+/* Parts of the above: names and what the options said (0: no memory); the whole table must be finite; no samples. */
+int brdffit_io_merl_describe(const struct merl *merl, const brdffit_io_options *options, struct io_table *table);
+brdffit_status brdffit_io_merl_finite(const struct merl *merl, brdffit_error *error);
+brdffit_status brdffit_io_merl_empty(brdffit_error *error);
+
+/*
+ * The same file as sums for a fit with these options (merl_sums.c): table->open.sums. BRDFFIT_ERR_UNSUPPORTED when only
+ * samples will do.
+ */
+brdffit_status brdffit_io_merl_sum(const unsigned char *data, size_t size, const brdffit_io_options *options,
+                                   const brdffit_options *fit, struct io_table *table, brdffit_error *error);
+
+/* Parts of brdffit_io_merl_read(): every cell (merl_table.c), or the cells of directions (merl_lookup.c). */
 brdffit_status brdffit_io_merl_all(const struct merl *merl, brdffit_io_merl_bins bins, struct io_table *table,
                                    brdffit_error *error);
 brdffit_status brdffit_io_merl_at(const struct merl *merl, const brdffit_samples *directions,

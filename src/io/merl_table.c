@@ -13,27 +13,23 @@
 #include "limits.h"
 #include "memory.h"
 #include "merl.h"
+#include "merl_axes.h"
 
-/* Sines and cosines of one axis; phi_d uses only the cosines. */
-struct axis {
-    double *sine, *cosine;
-};
-
-static int axis_new(struct axis *axis, size_t bins)
+static int axis_new(struct merl_axis *axis, size_t bins)
 {
     axis->sine = brdffit_io_alloc(bins, sizeof(double));
     axis->cosine = brdffit_io_alloc(bins, sizeof(double));
     return axis->sine && axis->cosine;
 }
 
-static void axis_free(struct axis *axis)
+static void axis_free(struct merl_axis *axis)
 {
     brdffit_io_release(axis->sine);
     brdffit_io_release(axis->cosine);
 }
 
 /* theta_h spends its bins near 0: the square of the fraction. phi_d spans two right angles. */
-static void axis_fill(struct axis *axis, size_t bins, brdffit_io_merl_bins convention, int squared, int right_angles)
+static void axis_fill(struct merl_axis *axis, size_t bins, brdffit_io_merl_bins convention, int squared, int right_angles)
 {
     uint64_t step = convention == BRDFFIT_IO_MERL_CENTRE ? 2 : 1, n = step * bins, i;
 
@@ -93,7 +89,7 @@ static size_t fill_cells(const struct merl *merl, const struct cells *cells, con
     return at;
 }
 
-static void fill(const struct merl *merl, const struct axis axis[3], struct io_table *table)
+static void fill(const struct merl *merl, const struct merl_axis axis[3], struct io_table *table)
 {
     struct cells cells;
     size_t h, d, count = 0;
@@ -114,31 +110,45 @@ static void fill(const struct merl *merl, const struct axis axis[3], struct io_t
     table->open.samples.count = count;
 }
 
+int brdffit_io_merl_axes_new(struct merl_axis axis[3], const size_t dims[3], brdffit_io_merl_bins bins)
+{
+    int i, enough = 1;
+
+    memset(axis, 0, 3 * sizeof *axis);
+    for (i = 0; i < 3 && enough; i++) {
+        enough = axis_new(&axis[i], dims[i]);
+        if (enough) {
+            axis_fill(&axis[i], dims[i], bins, i == 0, i == 2 ? 2 : 1);
+        }
+    }
+    return enough;
+}
+
+void brdffit_io_merl_axes_free(struct merl_axis axis[3])
+{
+    int i;
+
+    for (i = 0; i < 3; i++) {
+        axis_free(&axis[i]);
+    }
+}
+
 brdffit_status brdffit_io_merl_all(const struct merl *merl, brdffit_io_merl_bins bins, struct io_table *table,
                                    brdffit_error *error)
 {
-    struct axis axis[3];
-    int i, enough = 1;
+    struct merl_axis axis[3];
+    int enough = brdffit_io_merl_axes_new(axis, merl->dims, bins);
 
     table->open.samples.form = BRDFFIT_FORM_ANGLES;
     table->width[IO_COS_LIGHT] = 1;
     table->width[IO_COS_VIEW] = 1;
     table->width[IO_TAN2_HALF] = 1;
     table->width[IO_COS_DIFFERENCE] = 1;
-    memset(axis, 0, sizeof axis);
-    for (i = 0; i < 3 && enough; i++) {
-        enough = axis_new(&axis[i], merl->dims[i]);
-        if (enough) {
-            axis_fill(&axis[i], merl->dims[i], bins, i == 0, i == 2 ? 2 : 1);
-        }
-    }
     /* Room for every cell: pages of those that are dropped are never touched. */
     enough = enough && brdffit_io_table_reserve(table, merl->cells);
     if (enough) {
         fill(merl, axis, table);
     }
-    for (i = 0; i < 3; i++) {
-        axis_free(&axis[i]);
-    }
+    brdffit_io_merl_axes_free(axis);
     return enough ? BRDFFIT_OK : brdffit_io_no_memory(error);
 }

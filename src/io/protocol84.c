@@ -3,8 +3,9 @@
  */
 #include "angle.h"
 #include "brdffit_io.h"
+#include "environment.h"
 
-void brdffit_io_protocol84(double light[84 * 3], double view[84 * 3])
+ENVIRONMENT_APART static void directions(double light[84 * 3], double view[84 * 3])
 {
     int at_view, at_light, azimuth, i = 0;
 
@@ -16,4 +17,13 @@ void brdffit_io_protocol84(double light[84 * 3], double view[84 * 3])
             }
         }
     }
+}
+
+void brdffit_io_protocol84(double light[84 * 3], double view[84 * 3])
+{
+    struct environment callers;
+
+    brdffit_environment_enter(&callers);
+    directions(light, view);
+    brdffit_environment_leave(&callers);
 }

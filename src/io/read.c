@@ -6,6 +6,7 @@
 #include "bytes.h"
 #include "csv.h"
 #include "detect.h"
+#include "environment.h"
 #include "fail.h"
 #include "gzip.h"
 #include "limits.h"
@@ -14,9 +15,10 @@
 #include "source.h"
 #include "table.h"
 
-/* Unpacked content into a new table. */
-static brdffit_status parse(const unsigned char *data, size_t size, const brdffit_io_options *options,
-                            brdffit_table **out, brdffit_error *error)
+/* Unpacked content into a new table, in the default floating-point environment. */
+ENVIRONMENT_APART static brdffit_status parse_there(const unsigned char *data, size_t size,
+                                                    const brdffit_io_options *options, brdffit_table **out,
+                                                    brdffit_error *error)
 {
     brdffit_io_format format = options->format;
     brdffit_status status = BRDFFIT_OK;
@@ -45,6 +47,19 @@ static brdffit_status parse(const unsigned char *data, size_t size, const brdffi
     return BRDFFIT_OK;
 }
 
+/* Decimal numbers and angles round to nearest whatever the caller's rounding mode is. */
+brdffit_status brdffit_io_parse(const unsigned char *data, size_t size, const brdffit_io_options *options,
+                                brdffit_table **out, brdffit_error *error)
+{
+    struct environment callers;
+    brdffit_status status;
+
+    brdffit_environment_enter(&callers);
+    status = parse_there(data, size, options, out, error);
+    brdffit_environment_leave(&callers);
+    return status;
+}
+
 /* Content as it came: gzip is looked through. `owner`, when given, holds the data and is freed early. */
 static brdffit_status unpack_and_parse(const unsigned char *data, size_t size, struct io_bytes *owner,
                                        const brdffit_io_options *options, brdffit_table **out,
@@ -54,14 +69,14 @@ static brdffit_status unpack_and_parse(const unsigned char *data, size_t size, s
     brdffit_status status;
 
     if (!brdffit_io_is_gzip(data, size)) {
-        return parse(data, size, options, out, error);
+        return brdffit_io_parse(data, size, options, out, error);
     }
     status = brdffit_io_gunzip(data, size, IO_LIMIT_BYTES, &unpacked, error);
     if (owner) {
         brdffit_io_bytes_free(owner);
     }
     if (status == BRDFFIT_OK) {
-        status = parse(unpacked.data, unpacked.size, options, out, error);
+        status = brdffit_io_parse(unpacked.data, unpacked.size, options, out, error);
     }
     if (status == BRDFFIT_OK) {
         (*out)->compressed = 1;

@@ -5,6 +5,7 @@
  * file's size is only a hint for the first allocation; the end of the data is where read() says it is.
  */
 #define _POSIX_C_SOURCE 200809L
+#define _FILE_OFFSET_BITS 64
 #include "source.h"
 
 #include <errno.h>
@@ -97,6 +98,43 @@ static brdffit_status drain(int descriptor, size_t limit, struct io_bytes *out, 
     }
 }
 
+static int open_file(const char *path)
+{
+    int descriptor;
+
+    do {
+        descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
+    } while (descriptor < 0 && errno == EINTR);
+    return descriptor;
+}
+
+brdffit_status brdffit_io_source_open(const char *path, int *descriptor, uint64_t *size, brdffit_error *error)
+{
+    int saved = errno;
+    struct stat about;
+    brdffit_status status = BRDFFIT_OK;
+
+    *descriptor = open_file(path);
+    if (*descriptor < 0) {
+        return system_failure(error, BRDFFIT_ERR_OPEN, "the file cannot be opened", saved);
+    }
+    if (fstat(*descriptor, &about) != 0) {
+        status = system_failure(error, BRDFFIT_ERR_READ, "reading the file failed", saved);
+    } else if (S_ISDIR(about.st_mode)) {
+        status = brdffit_io_fail(error, BRDFFIT_ERR_OPEN, reason(EISDIR));
+    } else if (!S_ISREG(about.st_mode)) {
+        status = brdffit_io_fail(error, BRDFFIT_ERR_OPEN,
+                                 "it is no regular file: arrays are read at any place, not from front to back");
+    } else {
+        *size = (uint64_t)about.st_size;
+    }
+    if (status != BRDFFIT_OK) {
+        (void)close(*descriptor);
+        *descriptor = -1;
+    }
+    return status;
+}
+
 brdffit_status brdffit_io_source_read(const char *path, size_t limit, struct io_bytes *out,
                                       brdffit_error *error)
 {
@@ -107,9 +145,7 @@ brdffit_status brdffit_io_source_read(const char *path, size_t limit, struct io_
     brdffit_status status;
 
     if (!standard_input) {
-        do {
-            descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
-        } while (descriptor < 0 && errno == EINTR);
+        descriptor = open_file(path);
     }
     if (descriptor < 0) {
         return system_failure(error, BRDFFIT_ERR_OPEN, "the file cannot be opened", saved);

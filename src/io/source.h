@@ -4,6 +4,8 @@
 #ifndef BRDFFIT_IO_SOURCE_H
 #define BRDFFIT_IO_SOURCE_H
 
+#include <stdint.h>
+
 #include "brdffit.h"
 #include "bytes.h"
 
@@ -13,5 +15,8 @@
  */
 brdffit_status brdffit_io_source_read(const char *path, size_t limit, struct io_bytes *out,
                                       brdffit_error *error);
+
+/* Open a regular file for reading at any place, and tell its size. errno as above. */
+brdffit_status brdffit_io_source_open(const char *path, int *descriptor, uint64_t *size, brdffit_error *error);
 
 #endif

@@ -94,6 +94,15 @@ void brdffit_io_table_publish(struct io_table *table)
     samples->values = table->array[IO_VALUES];
 }
 
+void brdffit_io_table_drop_sums(struct io_table *table)
+{
+    brdffit_io_release(table->sums_memory);
+    table->sums_memory = NULL;
+    table->open.sums = NULL;
+    brdffit_io_unmap(&table->map);
+    brdffit_io_bytes_free(&table->bytes);
+}
+
 void brdffit_io_free(brdffit_table *table)
 {
     struct io_table *whole = (struct io_table *)(void *)table;
@@ -108,6 +117,7 @@ void brdffit_io_free(brdffit_table *table)
     for (i = 0; table->channel_names && i < table->samples.channels; i++) {
         brdffit_io_release(table->channel_names[i]);
     }
+    brdffit_io_table_drop_sums(whole);
     brdffit_io_release(table->channel_names);
     brdffit_io_release(table->lines);
     brdffit_io_release(whole);

@@ -5,6 +5,8 @@
 #define BRDFFIT_IO_TABLE_H
 
 #include "brdffit_io.h"
+#include "bytes.h"
+#include "map.h"
 
 enum io_array {
     IO_LIGHT = 0, /* 3 a sample */
@@ -29,6 +31,11 @@ struct io_table {
     size_t width[IO_ARRAY_COUNT]; /* doubles a sample; 0: not in use */
     int with_lines;
     size_t capacity; /* in samples */
+
+    void *sums_memory; /* of open.sums; then the file stays, mapped or read, until samples are asked for */
+    struct io_map map;
+    struct io_bytes bytes;
+    brdffit_io_options options;
 };
 
 /* Empty, everything zero. NULL: no memory. Released by brdffit_io_free(&table->open). */
@@ -43,6 +50,13 @@ int brdffit_io_table_name(struct io_table *table, size_t k, const char *text, si
 
 /* Room for at least `rows` samples in every array in use. 0: no memory. Pages that stay unused are not touched. */
 int brdffit_io_table_reserve(struct io_table *table, size_t rows);
+
+/* Forget the sums and the file that they came from. */
+void brdffit_io_table_drop_sums(struct io_table *table);
+
+/* Unpacked content into a new table (read.c). */
+brdffit_status brdffit_io_parse(const unsigned char *data, size_t size, const brdffit_io_options *options,
+                                brdffit_table **out, brdffit_error *error);
 
 /* Let samples.* point at the arrays. Call once, when they have stopped moving. */
 void brdffit_io_table_publish(struct io_table *table);

@@ -21,6 +21,35 @@ static void read_as(const uint8_t *data, size_t size, const brdffit_io_options *
     claim_all(status, table, &error);
 }
 
+/* As sums: the same table and counts, or the same refusal; and the same samples after all. */
+static void sum_as(const uint8_t *data, size_t size, const brdffit_io_options *options)
+{
+    brdffit_table *table = NULL, *sums = NULL;
+    brdffit_error error, other;
+    brdffit_status status;
+    int i;
+
+    memset(&error, 0, sizeof error);
+    memset(&other, 0, sizeof other);
+    status = brdffit_io_read_memory(data, size, options, &table, &error);
+    CLAIM(brdffit_io_read_sums_memory(data, size, options, NULL, &sums, &other) == status);
+    if (status != BRDFFIT_OK) {
+        CLAIM(strcmp(error.message, other.message) == 0 && error.sample == other.sample &&
+              error.channel == other.channel && error.line == other.line);
+        claim_all(status, sums, &other);
+        return;
+    }
+    CLAIM(sums->samples.count == table->samples.count && sums->compressed == table->compressed);
+    for (i = 0; i < BRDFFIT_IO_DROP_COUNT; i++) {
+        CLAIM(sums->dropped[i] == table->dropped[i]);
+    }
+    CLAIM(brdffit_io_samples(sums, &other) == BRDFFIT_OK && !sums->sums);
+    CLAIM(memcmp(sums->samples.values, table->samples.values,
+                 sums->samples.count * sums->samples.channels * sizeof(double)) == 0);
+    brdffit_io_free(table);
+    claim_all(status, sums, &other);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static const double light[] = {0, 0, 1, 1, 0, 1, -1, 2, 0.5, 0, 1, -1};
@@ -35,6 +64,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     at.view = view;
     brdffit_io_options_init(&options);
     options.directions = &at;
+    sum_as(data, size, &options);
     read_as(data, size, &options);
     options.format = BRDFFIT_IO_FORMAT_MERL;
     for (sampling = BRDFFIT_IO_MERL_TABLE; sampling <= BRDFFIT_IO_MERL_DIRECTIONS; sampling++) {
@@ -45,6 +75,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     options.merl_sampling = BRDFFIT_IO_MERL_TABLE;
     options.merl_bins = BRDFFIT_IO_MERL_CENTRE;
     read_as(data, size, &options);
+    sum_as(data, size, &options);
     return 0;
 }
 

@@ -52,27 +52,6 @@ static double now(void)
 
 /* ---- One material --------------------------------------------------------------------------------------- */
 
-/* The paper's supervision: an answer that is not finite or whose roughness left the range does not count. */
-static int reasonable(const struct peers_problem *p, const double *parameter)
-{
-    size_t j;
-    int lobe;
-
-    for (j = 0; j < peers_parameters(p); j++) {
-        if (!isfinite(parameter[j])) {
-            return 0;
-        }
-    }
-    for (lobe = 0; lobe < p->lobes; lobe++) {
-        double sigma = peers_sigma(p, parameter, lobe);
-
-        if (!(sigma >= PEERS_SIGMA_MIN * (1.0 - 1e-9) && sigma <= PEERS_SIGMA_MAX * (1.0 + 1e-9))) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
 static void run_block(const struct settings *s, const struct peers_problem *p, void *solver,
                       const struct peers_block *block, struct peers_outcome *o)
 {
@@ -86,7 +65,7 @@ static void run_block(const struct settings *s, const struct peers_problem *p, v
 
         peers_start_draw(p, &s->start, i, parameter);
         iterations = isfinite(peers_e2(p, parameter)) ? s->solver->run(solver, parameter) : -1;
-        e2 = iterations >= 0 && reasonable(p, parameter) ? peers_e2(p, parameter) : INFINITY;
+        e2 = iterations >= 0 && peers_reasonable(p, parameter) ? peers_e2(p, parameter) : INFINITY;
         o->iterations += iterations > 0 ? iterations : 0;
         if (!isfinite(e2)) {
             o->excluded++;

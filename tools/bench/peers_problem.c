@@ -38,12 +38,11 @@ static double dot(const double *u, const double *v)
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
-/* Row `at` of the problem from sample i; 0 when the paper leaves such a sample out. */
-static int add_sample(struct peers_problem *p, const brdffit_samples *s, size_t i, size_t at)
+/* a, b, c of sample i from its directions. Returns n.l, or 0 when the paper leaves such a sample out. */
+static double directions(struct peers_problem *p, const brdffit_samples *s, size_t i, size_t at)
 {
     static const double up[3] = {0.0, 0.0, 1.0};
     double n[3], l[3], v[3], h[3], nl, nv, nh, vh, g;
-    size_t k;
     int j;
 
     unit(s->normal ? s->normal + 3 * i : up, n);
@@ -52,7 +51,7 @@ static int add_sample(struct peers_problem *p, const brdffit_samples *s, size_t 
     nl = dot(n, l);
     nv = dot(n, v);
     if (!(nl >= 0.5 - 1e-9 && nv > 0.0)) { /* incidence up to 60 degrees, viewer above the horizon */
-        return 0;
+        return 0.0;
     }
     for (j = 0; j < 3; j++) {
         h[j] = l[j] + v[j];
@@ -64,9 +63,28 @@ static int add_sample(struct peers_problem *p, const brdffit_samples *s, size_t 
     p->a[at] = nl / pi;
     p->b[at] = g / (pi * nv * nh * nh * nh * nh);
     p->c[at] = fmax(0.0, (1.0 - nh * nh) / (nh * nh));
+    return nl;
+}
+
+/* Row `at` of the problem from sample i; 0 when it is left out. */
+static int add_sample(struct peers_problem *p, const brdffit_samples *s, size_t i, size_t at)
+{
+    double factor = 1.0;
+    size_t k;
+
+    if (s->form == BRDFFIT_FORM_COEFFICIENTS) {
+        p->a[at] = s->a[i];
+        p->b[at] = s->b[i];
+        p->c[at] = s->c[i];
+    } else {
+        factor = directions(p, s, i, at);
+        if (!(factor > 0.0)) {
+            return 0;
+        }
+        factor = s->quantity == BRDFFIT_QUANTITY_BRDF ? factor : 1.0;
+    }
     for (k = 0; k < s->channels; k++) {
-        p->value[at * s->channels + k] =
-            s->values[i * s->channels + k] * (s->quantity == BRDFFIT_QUANTITY_BRDF ? nl : 1.0);
+        p->value[at * s->channels + k] = s->values[i * s->channels + k] * factor;
     }
     return 1;
 }
@@ -126,8 +144,8 @@ static const char *take(const brdffit_samples *s, struct peers_problem *p)
 {
     size_t i;
 
-    if (s->form != BRDFFIT_FORM_DIRECTIONS || s->weights || s->channels > PEERS_MOST_CHANNELS) {
-        return "the peers take directions without weights, and at most 64 channels";
+    if (s->form == BRDFFIT_FORM_ANGLES || s->weights || s->channels > PEERS_MOST_CHANNELS) {
+        return "the peers take directions or coefficients without weights, and at most 64 channels";
     }
     p->a = malloc(s->count * (5 + 2 * s->channels) * sizeof *p->a);
     if (!p->a) {
@@ -296,4 +314,24 @@ double peers_e2(const struct peers_problem *p, const double *parameter)
         sum += residual * residual;
     }
     return sum;
+}
+
+int peers_reasonable(const struct peers_problem *p, const double *parameter)
+{
+    size_t j;
+    int lobe;
+
+    for (j = 0; j < peers_parameters(p); j++) {
+        if (!isfinite(parameter[j])) {
+            return 0;
+        }
+    }
+    for (lobe = 0; lobe < p->lobes; lobe++) {
+        double sigma = peers_sigma(p, parameter, lobe);
+
+        if (!(sigma >= PEERS_SIGMA_MIN * (1.0 - 1e-9) && sigma <= PEERS_SIGMA_MAX * (1.0 + 1e-9))) {
+            return 0;
+        }
+    }
+    return 1;
 }

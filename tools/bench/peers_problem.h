@@ -66,6 +66,9 @@ void peers_model(const struct peers_problem *problem, const double *parameter, d
 void peers_jacobian(const struct peers_problem *problem, const double *parameter, double *jacobian);
 double peers_e2(const struct peers_problem *problem, const double *parameter);
 
+/* The paper's supervision: an answer that is not finite or whose roughness left the range does not count. */
+int peers_reasonable(const struct peers_problem *problem, const double *parameter);
+
 #ifdef __cplusplus
 }
 #endif

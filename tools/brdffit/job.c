@@ -82,16 +82,24 @@ void brdffit_cli_fitter_free(cli_fitter *fitter)
 
 /* ---- Files ------------------------------------------------------------- */
 
-void brdffit_cli_job_read(cli_job *job, cli_fitter *fitter, const char *path)
+/* `options`: of the fit, when the table will be fitted and nothing else, so that sums will do; or NULL. */
+static void read_table(cli_job *job, cli_fitter *fitter, const char *path, const brdffit_options *options)
 {
     memset(job, 0, sizeof *job);
     job->path = path;
     const double start = brdffit_cli_clock();
     errno = 0;
-    job->status = brdffit_io_read(path, &fitter->io, &job->table, &job->error);
+    job->status = options != NULL
+                      ? brdffit_io_read_sums(path, &fitter->io, options, &job->table, &job->error)
+                      : brdffit_io_read(path, &fitter->io, &job->table, &job->error);
     if (job->status != BRDFFIT_OK)
         job->system_error = errno;
     job->read_seconds = brdffit_cli_clock() - start;
+}
+
+void brdffit_cli_job_read(cli_job *job, cli_fitter *fitter, const char *path)
+{
+    read_table(job, fitter, path, NULL);
 }
 
 static void fail(cli_job *job, brdffit_status status)
@@ -116,23 +124,38 @@ static int grow(void **workspace, size_t *capacity, size_t size)
     return *workspace != NULL;
 }
 
+/* Of E^2: where sums know it less well than this, only the samples tell how good the fit is. */
+#define SUMS_ACCURACY 1e-8
+
 static void fit(cli_job *job, cli_fitter *fitter)
 {
     const brdffit_samples *const samples = &job->table->samples;
+    const brdffit_sums *const sums = job->table->sums;
     /* 0 for options or sizes that brdffit_fit() explains better. */
-    const size_t size = brdffit_workspace_size(samples->count, samples->channels, &fitter->options);
+    const size_t size = sums != NULL ? brdffit_sums_workspace_size(sums, &fitter->options)
+                                     : brdffit_workspace_size(samples->count, samples->channels,
+                                                              &fitter->options);
     if (!grow(&fitter->workspace, &fitter->capacity, size > 0 ? size : 1)) {
         fail(job, BRDFFIT_ERR_MEMORY);
         return;
     }
     fitter->reduced_at = 0;
     const double start = brdffit_cli_clock();
-    job->status = brdffit_fit(samples, &fitter->options, fitter->workspace, fitter->capacity,
-                              &job->result, &job->error);
+    job->status = sums != NULL ? brdffit_fit_sums(sums, &fitter->options, fitter->workspace,
+                                                  fitter->capacity, &job->result, &job->error)
+                               : brdffit_fit(samples, &fitter->options, fitter->workspace,
+                                             fitter->capacity, &job->result, &job->error);
     const double end = brdffit_cli_clock();
     const double reduced = fitter->reduced_at > 0 ? fitter->reduced_at : end;
     job->reduce_seconds = reduced - start;
     job->search_seconds = end - reduced;
+}
+
+static int sums_suffice(const cli_job *job)
+{
+    if (job->status != BRDFFIT_OK) /* a limit of sums, or one that the samples share and explain */
+        return job->status == BRDFFIT_ERR_NO_SAMPLES || job->status == BRDFFIT_ERR_MEMORY;
+    return job->result.e2_error <= SUMS_ACCURACY * job->result.e2;
 }
 
 /* A bound of 0 needs no proof. */
@@ -161,9 +184,14 @@ static void verify(cli_job *job, cli_fitter *fitter)
 
 void brdffit_cli_job_run(cli_job *job, cli_fitter *fitter, const char *path)
 {
-    brdffit_cli_job_read(job, fitter, path);
+    read_table(job, fitter, path, fitter->settings->verify == NULL ? &fitter->options : NULL);
     if (job->status == BRDFFIT_OK)
         fit(job, fitter);
+    if (job->table != NULL && job->table->sums != NULL && !sums_suffice(job)) {
+        job->status = brdffit_io_samples(job->table, &job->error);
+        if (job->status == BRDFFIT_OK)
+            fit(job, fitter);
+    }
     if (job->status == BRDFFIT_OK && fitter->settings->verify != NULL)
         verify(job, fitter);
 }

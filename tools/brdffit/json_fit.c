@@ -113,6 +113,7 @@ static void parameters(cli_json *json, const brdffit_result *result)
     brdffit_cli_json_numbers(json, "channel_scale", result->channel_scale, model->channels);
     brdffit_cli_json_number(json, "e2", result->e2);
     brdffit_cli_json_number(json, "objective", result->e2);
+    brdffit_cli_json_number(json, "e2_error", result->e2_error);
     brdffit_cli_json_number(json, "lower_bound", result->lower_bound);
     brdffit_cli_json_number(json, "gap", result->gap);
     brdffit_cli_json_numbers(json, "rms", result->rms, model->channels);

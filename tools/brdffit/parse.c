@@ -283,6 +283,27 @@ static cli_parse check_verify(const parser *p)
     return CLI_PARSED;
 }
 
+/* I/N with 1 <= I <= N; without it, all is part 1 of 1. */
+static cli_parse check_shard(const parser *p)
+{
+    cli_settings *s = p->settings;
+    char index[24] = "";
+    const char *const slash = s->shard != NULL ? strchr(s->shard, '/') : NULL;
+    if (s->shard == NULL) {
+        s->shard_count = 1;
+        return CLI_PARSED;
+    }
+    if (slash != NULL && (size_t)(slash - s->shard) < sizeof index) {
+        memcpy(index, s->shard, (size_t)(slash - s->shard));
+        if (whole_number(index, &s->shard_index) && whole_number(slash + 1, &s->shard_count) &&
+            s->shard_index-- <= s->shard_count && !s->fresh)
+            return CLI_PARSED;
+    }
+    fprintf(stderr, "brdffit %s: --shard does not take '%s'%s; valid values: I/N, I from 1 to N\n", p->command_name,
+            s->shard, s->fresh ? " with --fresh" : "");
+    return usage(p);
+}
+
 /* What no single option can see. */
 static cli_parse check_together(const parser *p)
 {
@@ -299,6 +320,10 @@ static cli_parse check_together(const parser *p)
                 s->file_count);
         return usage(p);
     }
+    if (p->command == CLI_MAP && (s->file_count != 1 || standard_inputs > 0)) {
+        fprintf(stderr, "brdffit map: needs one STACK, a file or a folder\n");
+        return usage(p);
+    }
     if (standard_inputs > 1) {
         fprintf(stderr, "brdffit %s: standard input ('-') can be read only once\n",
                 p->command_name);
@@ -311,6 +336,8 @@ static cli_parse check_together(const parser *p)
                 p->command_name);
         return usage(p);
     }
+    if (check_shard(p) != CLI_PARSED)
+        return CLI_PARSE_FAILED;
     const cli_parse verify = check_verify(p);
     return verify == CLI_PARSED ? check_output(p) : verify;
 }

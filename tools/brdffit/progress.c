@@ -17,6 +17,7 @@ void brdffit_cli_progress_start(cli_progress *progress, size_t count, int quiet)
     memset(progress, 0, sizeof *progress);
     progress->style = brdffit_cli_style(stderr);
     progress->shown = !quiet && isatty(STDERR_FILENO);
+    progress->unit = "files";
     progress->count = count;
     progress->started = brdffit_cli_clock();
     progress->last = progress->started;
@@ -29,7 +30,7 @@ static void add_rate(cli_text *line, const cli_progress *progress, double now)
         return;
     const double rate = (double)progress->done / elapsed;
     const double left = (double)(progress->count - progress->done) / rate;
-    brdffit_cli_text_printf(line, ", %.3g files/s, ", rate);
+    brdffit_cli_text_printf(line, ", %.3g %s/s, ", rate, progress->unit);
     if (left < 90)
         brdffit_cli_text_printf(line, "%.0f s left", left);
     else
@@ -90,6 +91,22 @@ void brdffit_cli_progress_search(cli_progress *progress, const brdffit_progress 
     else
         (void)snprintf(detail, sizeof detail, ": %zu boxes, no bound yet", search->boxes);
     draw(progress, detail, now);
+}
+
+void brdffit_cli_progress_amount(cli_progress *progress, size_t done)
+{
+    const double now = brdffit_cli_clock();
+    progress->done = done;
+    if (!progress->shown || now - progress->last < INTERVAL)
+        return;
+    cli_text line = {0};
+    brdffit_cli_text_printf(&line, "%zu of %zu %s", done, progress->count, progress->unit);
+    add_rate(&line, progress, now);
+    fprintf(stderr, "\r%s\033[K", brdffit_cli_text_string(&line));
+    fflush(stderr);
+    brdffit_cli_text_free(&line);
+    progress->visible = 1;
+    progress->last = now;
 }
 
 void brdffit_cli_progress_erase(cli_progress *progress)

@@ -13,7 +13,8 @@ typedef struct cli_progress {
     int visible;     /* a line is on the screen now */
     cli_style style;
     const char *path;
-    size_t count;    /* files */
+    const char *unit; /* what is counted: "files" */
+    size_t count;
     size_t done;
     double started;
     double last;     /* when the line was drawn */
@@ -27,6 +28,9 @@ void brdffit_cli_progress_file(cli_progress *progress, size_t index, const char 
 /* From the search: redrawn a few times a second, and only once the search
  * takes long enough to be worth a line. */
 void brdffit_cli_progress_search(cli_progress *progress, const brdffit_progress *search);
+
+/* `done` of `count` units, for what is no file. */
+void brdffit_cli_progress_amount(cli_progress *progress, size_t done);
 
 /* Make way for other output. */
 void brdffit_cli_progress_erase(cli_progress *progress);

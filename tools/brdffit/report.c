@@ -96,6 +96,8 @@ static double channel_maximum(const cli_job *job, const brdffit_options *options
     const brdffit_samples *const samples = &job->table->samples;
     if (options->normalise == BRDFFIT_NORMALISE_MAX)
         return job->result.channel_scale[channel];
+    if (job->table->sums != NULL)
+        return brdffit_sums_largest(job->table->sums, channel);
     double maximum = 0;
     for (size_t i = 0; i < samples->count; i++) {
         const double value = samples->values[i * samples->channels + channel];

@@ -34,27 +34,31 @@ const cli_choice brdffit_cli_format_choices[] = {{"auto", BRDFFIT_IO_FORMAT_AUTO
                                                  {"merl", BRDFFIT_IO_FORMAT_MERL, 0},
                                                  {NULL, 0, 0}};
 
+static const cli_choice map_formats[] = {{"npy", CLI_MAP_NPY, 0}, {"pfm", CLI_MAP_PFM, 0}, {NULL, 0, 0}};
+
 #define AT(member) offsetof(cli_settings, member)
-#define ALL (CLI_FIT | CLI_EVAL | CLI_INFO)
+#define ALL (CLI_FIT | CLI_EVAL | CLI_INFO | CLI_MAP)
+#define READERS (CLI_FIT | CLI_EVAL | CLI_INFO)
+#define FITS (CLI_FIT | CLI_MAP)
 #define CHOICE(name, commands, hidden, member, choices, value, help) \
     {name, 0, CLI_CHOICE, commands, hidden, AT(member), 0, 0, 0, choices, value, help}
 #define NUMBER(name, kind, member, low, open, high, value, help) \
-    {name, 0, kind, CLI_FIT, 0, AT(member), low, high, open, NULL, value, help}
+    {name, 0, kind, FITS, 0, AT(member), low, high, open, NULL, value, help}
 #define PLAIN(name, letter, kind, commands, member, value, help) \
     {name, letter, kind, commands, 0, AT(member), 0, 0, 0, NULL, value, help}
 
 const cli_option brdffit_cli_options[] = {
-    CHOICE("lobes", CLI_FIT, 0, lobes, lobes, "1|2", "specular lobes (default 1)"),
-    CHOICE("distribution", CLI_FIT, 0, distribution, brdffit_cli_distribution_choices,
+    CHOICE("lobes", FITS, 0, lobes, lobes, "1|2", "specular lobes (default 1)"),
+    CHOICE("distribution", FITS, 0, distribution, brdffit_cli_distribution_choices,
            "NAME",
            "what a lobe is: beckmann, ggx,\ntorrance-sparrow or ward, with roughness\n"
            "sigma; blinn-phong, ashikhmin-shirley or\nlafortune, with exponent n\n(default beckmann)"),
-    CHOICE("norm", CLI_FIT, 0, norm, brdffit_cli_norm_choices, "l2|l1|linf",
+    CHOICE("norm", FITS, 0, norm, brdffit_cli_norm_choices, "l2|l1|linf",
            "minimise the sum of squared or of absolute\nresiduals, or the largest one (default l2)"),
-    CHOICE("engine", CLI_FIT, 0, engine, engines, "moment|socp",
+    CHOICE("engine", FITS, 0, engine, engines, "moment|socp",
            "how norm l2 is proven: bounds of second order,\nor the paper's cone programs by ECOS\n"
            "(default moment)"),
-    PLAIN("socp-every-box", 0, CLI_FLAG, CLI_FIT, socp_every_box, NULL,
+    PLAIN("socp-every-box", 0, CLI_FLAG, FITS, socp_every_box, NULL,
           "send every box to ECOS as the paper does, also\nthose that a closed form decides"),
     PLAIN("verify", 0, CLI_STRING, CLI_FIT, verify, "socp[=X]",
           "prove again, by engine socp alone, that nothing\nlies below the bound less this fraction of it\n"
@@ -75,10 +79,10 @@ const cli_option brdffit_cli_options[] = {
            "do not split boxes narrower than this in\nevery sigma, or 1/sqrt(n) (default 0: off)"),
     NUMBER("box-budget", CLI_COUNT, box_budget, 1, 0, 9e15, "N",
            "most boxes to bound (default 1000000)"),
-    CHOICE("normalise", CLI_FIT, 0, normalise, brdffit_cli_normalise_choices, "max|none",
+    CHOICE("normalise", FITS, 0, normalise, brdffit_cli_normalise_choices, "max|none",
            "divide each channel by its largest used\nradiance, or not (default max)"),
-    CHOICE("normalize", CLI_FIT, 1, normalise, brdffit_cli_normalise_choices, "", ""),
-    {"max-incidence", 0, CLI_DEGREES, CLI_FIT | CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL,
+    CHOICE("normalize", FITS, 1, normalise, brdffit_cli_normalise_choices, "", ""),
+    {"max-incidence", 0, CLI_DEGREES, FITS | CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL,
      "DEG|off", "skip samples lit from further off the normal\n(default 60)"},
     CHOICE("values", ALL, 0, values, brdffit_cli_quantity_choices, "brdf|radiance",
            "what the file's values are: f_r, or f_r times\n"
@@ -88,13 +92,37 @@ const cli_option brdffit_cli_options[] = {
     PLAIN("merl-samples", 0, CLI_STRING, CLI_FIT | CLI_INFO, merl_samples, "table|84|FILE.csv",
           "use every cell of a MERL table, the paper's\n84 directions, or those of a file\n"
           "(default table)"),
-    CHOICE("format", ALL, 0, format, brdffit_cli_format_choices, "auto|csv|merl",
+    CHOICE("format", READERS, 0, format, brdffit_cli_format_choices, "auto|csv|merl",
            "format of FILE (default auto: by content)"),
     PLAIN("select", 0, CLI_COUNT, CLI_EVAL, select, "N",
           "use line N of FIT.json, from 1 (default: the\nline whose \"file\" is FILE)"),
     PLAIN("json", 0, CLI_FLAG, CLI_FIT | CLI_INFO, json, NULL, "one JSON object a line and file"),
+    PLAIN("geometry", 'g', CLI_STRING, CLI_MAP, geometry, "FILE.csv",
+          "directions of light and viewer, a line a\nsample, with the columns of 'brdffit fit'; a\n"
+          "column named file lists the images"),
+    PLAIN("lights", 0, CLI_STRING, CLI_MAP, lights, "FILE.npy",
+          "instead: vectors to the light, samples x 3, or\nsamples x height x width x 3"),
+    PLAIN("views", 0, CLI_STRING, CLI_MAP, views, "FILE.npy",
+          "and to the viewer: the same, or 3 for all\n(default: +z)"),
+    PLAIN("normals", 0, CLI_STRING, CLI_MAP, normals, "FILE",
+          "normal map, height x width x 3\n(default: +z everywhere)"),
+    PLAIN("mask", 0, CLI_STRING, CLI_MAP, mask, "FILE", "height x width; fit where it is not 0"),
+    PLAIN("srgb", 0, CLI_FLAG, CLI_MAP, srgb, NULL, "8-bit PNG are sRGB (default: linear)"),
+    CHOICE("format", CLI_MAP, 0, map_format, map_formats, "npy|pfm",
+           "format of the maps in a folder (default npy)"),
+    {"tile", 0, CLI_COUNT, CLI_MAP, 0, AT(tile), 1, 9e15, 0, NULL, "N",
+     "rows fitted, and kept, at a time\n(default: about 16 MB)"},
+    {"threads", 0, CLI_COUNT, CLI_MAP, 0, AT(threads), 1, 9e15, 0, NULL, "N",
+     "threads (default: the processors available)"},
+    PLAIN("shard", 0, CLI_STRING, CLI_MAP, shard, "I/N",
+          "fit part I of N only, for many machines on one\nfolder; afterwards the same command without it\n"
+          "puts the maps together"),
+    PLAIN("fresh", 0, CLI_FLAG, CLI_MAP, fresh, NULL, "do not go on with an earlier, unfinished run"),
+    PLAIN("stats", 0, CLI_FLAG, CLI_MAP, stats, NULL, "what was skipped, merged and saved"),
     PLAIN("quiet", 'q', CLI_FLAG, ALL, quiet, NULL, "no report, summary or progress; errors only"),
-    PLAIN("output", 'o', CLI_STRING, ALL, output, "FILE",
+    PLAIN("output", 'o', CLI_STRING, CLI_MAP, output, "DIR|FILE.npz",
+          "the maps, whole or not at all (default: NAME-maps\nwhere you are)"),
+    PLAIN("output", 'o', CLI_STRING, READERS, output, "FILE",
           "write there, whole or not at all, instead of\nto standard output"),
     {"help", 'h', CLI_HELP, ALL, 0, 0, 0, 0, 0, NULL, NULL, "show this"},
     {NULL, 0, CLI_FLAG, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL},

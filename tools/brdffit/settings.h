@@ -14,6 +14,7 @@
 #define CLI_FIT 1u
 #define CLI_EVAL 2u
 #define CLI_INFO 4u
+#define CLI_MAP 8u
 
 /* An option that can be left out and was. */
 #define CLI_UNSET (-1)
@@ -44,9 +45,21 @@ typedef struct cli_settings {
     int quiet;
     const char *output; /* NULL: standard output */
     size_t select;      /* line of the fits, from 1; 0: by the file's name */
+    /* map */
+    const char *geometry, *lights, *views, *normals, *mask; /* files, or NULL */
+    int map_format;     /* cli_map_format */
+    int srgb;
+    int fresh;
+    int stats;
+    const char *shard;  /* as given: I/N; NULL: all */
+    size_t shard_index, shard_count; /* I - 1, N */
+    size_t tile;    /* rows; 0: by the size of a row */
+    size_t threads; /* 0: as many as there are processors */
     const char **files; /* in the order given; the array is owned */
     size_t file_count;
 } cli_settings;
+
+typedef enum cli_map_format { CLI_MAP_NPY, CLI_MAP_PFM } cli_map_format;
 
 typedef enum cli_option_kind {
     CLI_FLAG,

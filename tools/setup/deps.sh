@@ -52,6 +52,7 @@ look() {
             ;;
         cli)
             links cjson/cJSON.h -lcjson || need "cJSON with headers (<cjson/cJSON.h>)" libcjson-dev
+            links png.h '-lpng -lz -lm' || need "libpng with headers (<png.h>)" libpng-dev
             ;;
         ecos)
             "$PYTHON" -m pip --version > /dev/null 2>&1 ||

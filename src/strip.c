@@ -1,0 +1,23 @@
+/*
+ * The strip functions of an instruction set: see strip.h. Layer 1. SPDX-License-Identifier: MIT
+ */
+#include "strip.h"
+
+#include "isa.h"
+
+const struct strip_kernels *brdffit_strip_kernels(brdffit_isa isa)
+{
+    isa = brdffit_isa_resolve(isa);
+    if (!brdffit_isa_runs(isa)) {
+        return NULL;
+    }
+    switch (isa) {
+#ifdef BRDFFIT_HAVE_AVX2
+    case BRDFFIT_ISA_AVX2: return &brdffit_strip_avx2;
+#endif
+#ifdef BRDFFIT_HAVE_AVX512
+    case BRDFFIT_ISA_AVX512: return &brdffit_strip_avx512;
+#endif
+    default: return &brdffit_strip_base;
+    }
+}
