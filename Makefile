@@ -261,7 +261,7 @@ $(SHARED_IO): $(IO) $(SHARED) $(BUILD)/link.flags
 # Both in one, found by its path and never by a soname: what the Python package carries.
 $(BUILD)/whole/libbrdffit.so: $(CORE_MEMBERS) $(IO) $(BUILD)/link.flags
 	@mkdir -p $(@D)
-	$(call say,LINK,$@)$(LINK) -shared -Wl,-s -o $@ $(CORE_MEMBERS) $(IO) -lz -lm
+	$(call say,LINK,$@)$(LINK) -shared -Wl,-s -o $@ $(sort $(CORE_MEMBERS) $(IO)) -lz -lm
 
 $(BUILD)/brdffit: $(CLI) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
 	$(call say,LINK,$@)$(LINK) -o $@ $(CLI) $(STATIC_IO) $(STATIC) -lcjson -lpng -lz -lm -pthread

@@ -52,7 +52,7 @@ def test_reads_its_own_lines_and_so_does_the_command_line(instruments, tmp_path)
     done = harness.run("eval", tmp_path / "fit.json", path)
     assert done.returncode == 0, done.stderr
     rows = [line.split(",") for line in done.stdout.splitlines() if not line.startswith("#")]
-    fitted = np.array([[float(row[rows[0].index("fit_" + k)]) for k in "rgb"] for row in rows[1:]])
+    fitted = np.array([[float(row[rows[0].index(k + "_fit")]) for k in "rgb"] for row in rows[1:]])
     assert np.array_equal(fitted, again.predict_samples(brdffit.Samples.from_csv(path)))
 
 

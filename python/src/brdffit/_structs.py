@@ -161,6 +161,7 @@ class Result(ctypes.Structure):
         ("rms", POINTER(c_double)),
         ("rms_total", c_double),
         ("e2", c_double),
+        ("e2_error", c_double),
         ("lower_bound", c_double),
         ("gap", c_double),
         ("sum_of_squares", c_double),
@@ -228,6 +229,7 @@ class Table(ctypes.Structure):
         ("rows", c_size_t),
         ("merl_bins", c_int),
         ("merl_sampling", c_int),
+        ("sums", c_void_p),
     ]
 
 

@@ -24,7 +24,7 @@ SKIPPED = (("incidence", "lit from beyond %.6g°"), ("light_below_horizon", "wit
 
 # Order of the members of `brdffit fit --json`.
 _MEMBERS = ("schema", "file", "status", "distribution", "norm", "engine", "lobes", "sigma", "exponent", "x", "y",
-            "channel_scale", "e2", "objective", "lower_bound", "gap", "rms", "rms_total", "sum_of_squares",
+            "channel_scale", "e2", "objective", "e2_error", "lower_bound", "gap", "rms", "rms_total", "sum_of_squares",
             "kkt_residual", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
             "weight", "effective_samples", "sigma_interval", "exponent_interval", "warnings", "channels", "normalise",
             "sigma_range", "exponent_range", "relative_gap", "absolute_gap", "sigma_resolution", "box_budget",

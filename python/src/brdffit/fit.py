@@ -93,6 +93,7 @@ class Fit:
     seconds: Mapping[str, float] | None
     file: str | None = None
     schema: str = SCHEMA
+    e2_error: float = 0.0
     _merl_directions: Floats | None = None
 
     @property
@@ -170,6 +171,7 @@ class Fit:
         given["warnings"] = tuple(tuple(words) for words in given.get("warnings", ()))
         names = {field.name for field in dataclasses.fields(cls)}
         members: dict[str, Any] = {name: given.get(name) for name in names}
+        members["e2_error"] = given.get("e2_error", 0.0)
         for name in _ARRAY_FIELDS:
             if members[name] is not None:
                 members[name] = freeze(floats(name, members[name]))
@@ -294,7 +296,7 @@ def convert(r: structs.Result, samples: Samples, options: Options, proof: Mappin
         sigma=freeze(np.array(r.model.sigma[:lobes])),
         exponent=_lobe_array(r, lobes, "exponent") if by_exponent else None,
         x=_copy(r.model.x, (channels,)), y=_copy(r.model.y, (channels, lobes)),
-        channel_scale=_copy(r.channel_scale, (channels,)), e2=float(r.e2), lower_bound=float(r.lower_bound),
+        channel_scale=_copy(r.channel_scale, (channels,)), e2=float(r.e2), e2_error=float(r.e2_error), lower_bound=float(r.lower_bound),
         gap=float(r.gap), rms=_copy(r.rms, (channels,)), rms_total=float(r.rms_total),
         sum_of_squares=float(r.sum_of_squares), kkt_residual=float(r.kkt_residual),
         samples_used=int(r.samples_used), samples_skipped=skipped, boxes=int(r.boxes), nodes=int(r.nodes),

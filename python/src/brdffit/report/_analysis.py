@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .. import _words
 from .._arrays import Floats
 from ..boxes import Boxes, fit_boxes
 from ..fit import Fit
@@ -201,18 +202,32 @@ def sigma_axis(material: Material, lobes: int, count: int) -> Floats:
     return np.geomspace(low, high, count)
 
 
-def near_optimal(material: Material, lobes: int, share: float) -> tuple[float, float]:
-    """Smallest and largest sigma of any lobe that a model within (1 + share) of the optimum can have, certified: every
-    box outside of it is proven worse."""
+def near_optimal(material: Material, lobes: int, share: float) -> list[tuple[float, float]]:
+    """Per lobe, the smallest and largest sigma that a model within (1 + share) of the optimum can have, certified: every
+    box outside is proven worse."""
     fit, boxes = material.fits[lobes], material.boxes[lobes]
-    level = (1 + share) * fit.e2
-    open_low, open_high = [float(fit.sigma[0])], [float(fit.sigma[-1])]
+    keep = leaf(boxes) & (boxes.lower_bound <= (1 + share) * fit.e2)
+    out = []
+    for p in range(lobes):
+        low, high = boxes.sigma_low[keep, p], boxes.sigma_high[keep, p]
+        out.append((float(min([fit.sigma[p], *low])), float(max([fit.sigma[p], *high]))))
+    return out
+
+
+def bound_steps(boxes: Boxes, low: float, high: float) -> tuple[Floats, Floats]:
+    """Edges, and the bound between each two: no model with a lobe of such a sigma (whatever the other lobe) has less."""
     leaves = leaf(boxes)
-    keep = leaves & (boxes.lower_bound <= level)
-    if keep.any():
-        open_low.append(float(boxes.sigma_low[keep].min()))
-        open_high.append(float(boxes.sigma_high[keep].max()))
-    return min(open_low), max(open_high)
+    bounds = boxes.lower_bound[leaves]
+    sides = [(boxes.sigma_low[leaves, p], boxes.sigma_high[leaves, p]) for p in range(boxes.sigma_low.shape[1])]
+    edges = np.unique(np.clip(np.concatenate([side for pair in sides for side in pair]), low, high))
+    edges = np.unique(np.concatenate([[low], edges, [high]]))
+    middle = np.sqrt(edges[1:] * edges[:-1])
+    out = np.full(len(middle), np.inf)
+    for a, b in sides:
+        for l, h, bound in zip(a, b, bounds):
+            at = slice(int(np.searchsorted(middle, l)), int(np.searchsorted(middle, h, "right")))
+            out[at] = np.minimum(out[at], bound)
+    return edges, np.where(np.isfinite(out), out, 0.0)
 
 
 def leaf(boxes: Boxes) -> npt.NDArray[np.bool_]:
@@ -241,12 +256,15 @@ def second_lobe(material: Material) -> str | None:
     one, two = material.fits[1], material.fits[2]
     if not two.lower_bound > 0:
         return None
-    most = 100 * (one.e2 / two.lower_bound - 1)
+    most, least = one.e2 / two.lower_bound, one.lower_bound / two.e2
     if one.e2 <= two.e2:
         return "The second lobe is of no use: one lobe fits as well."
-    least = 100 * (one.lower_bound / two.e2 - 1)
-    if most < 1:
-        return "The second lobe is worth at most %.2g %% of E², proven: one is enough." % most
-    return "One lobe leaves an E² between %.3g %% and %.3g %% larger, proven." % (max(least, 0), most)
+    if most < 1.01:
+        return "The second lobe is worth at most %.2g %% of E², proven: one is enough." % (100 * (most - 1))
+    if most < 2:
+        return "One lobe leaves an E² between %.3g %% and %.3g %% larger, proven." % (100 * max(least - 1, 0), 100 * (most - 1))
+    return "One lobe leaves an E² between %s and %s times as large, proven." % (
+        _words.directed(max(least, 1), 3, False), _words.directed(most, 3, True))
+
 
 

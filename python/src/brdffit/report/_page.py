@@ -23,7 +23,7 @@ h1{font-size:1.6rem;line-height:1.25;margin:.4em 0}h2{font-size:1.2rem;margin:2e
 a{color:var(--c2)}p{max-width:46em}.soft{color:var(--soft)}
 .tables{display:flex;flex-wrap:wrap;gap:8px 32px}.scroll{overflow-x:auto;max-width:100%}
 table{border-collapse:collapse;font-size:.92rem;font-variant-numeric:tabular-nums}
-th,td{padding:3px 10px 3px 0;text-align:right;border-bottom:1px solid var(--line);overflow-wrap:normal}
+th,td{white-space:nowrap;padding:3px 10px 3px 0;text-align:right;border-bottom:1px solid var(--line);overflow-wrap:normal}
 th:first-child,td:first-child{text-align:left}thead th{color:var(--soft);font-weight:500}
 .certificate{background:var(--card);border-left:4px solid var(--ok);padding:10px 14px;margin:12px 0}
 .certificate.open{border-color:var(--bad)}.certificate p{margin:.3em 0}
@@ -36,12 +36,13 @@ figure.ball{flex:0 1 220px}.balls{display:flex;flex-wrap:wrap;gap:12px}
 .legend{display:flex;flex-wrap:wrap;gap:4px 16px;font-size:.9rem;color:var(--soft)}
 .key::before{content:"";display:inline-block;width:.7em;height:.7em;border-radius:50%;background:currentColor;margin-right:.4em}
 svg text{font:11px system-ui,sans-serif;fill:var(--soft)}
-.grid path.grid,svg .grid{display:inline;stroke:var(--line);stroke-width:.6;fill:none}
+svg .grid{display:inline;stroke:var(--line);stroke-width:.6;fill:none}
 .frame{stroke:var(--soft);stroke-width:.8;fill:none}.line{fill:none;stroke-width:1.4}.faint{stroke:var(--soft);stroke-width:.8}
 .dot{fill:none;stroke-linecap:round;stroke-opacity:.75}.skipped{stroke-opacity:.25}
 .c0{stroke:var(--c0);color:var(--c0)}.c1{stroke:var(--c1);color:var(--c1)}.c2{stroke:var(--c2);color:var(--c2)}
 .c3{stroke:var(--c3);color:var(--c3)}.bound{stroke:var(--bound)}.exact{stroke:var(--ink)}
 .best{stroke:var(--c0);stroke-opacity:1}.near{fill:var(--near)}.boxes{fill:none;stroke:#fff;stroke-opacity:.45;stroke-width:.35}
+@media (max-width:480px){table{font-size:.8rem}th,td{padding-right:7px}}
 @media print{:root{--bg:#fff;--ink:#000;--card:#fff}body{max-width:none;padding:0;font-size:10pt}h2{break-after:avoid}
 .grid{grid-template-columns:repeat(2,1fr)}figure{border:1px solid var(--line)}}
 """

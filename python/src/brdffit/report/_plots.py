@@ -33,7 +33,7 @@ def legend(material: Material) -> str:
 
     items = ["<span class='key %s'>%s</span>" % (channel_kind(material, k), html.escape(material.samples.channels[k]))
              for k in shown_channels(material)]
-    return "<p class='legend'>%s<span>dots: measured, lines: fitted; hollow: skipped by the fit</span></p>" % "".join(items)
+    return "<p class='legend'>%s<span>dots: measured, lines: fitted; pale: skipped by the fit</span></p>" % "".join(items)
 
 
 def _thin(index: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
@@ -127,35 +127,29 @@ def polar_plots(material: Material) -> list[Figure]:
 def profile(material: Material, lobes: int) -> Figure:
     """Smallest E^2 over one roughness, above the bound that the search proved."""
     fit, boxes = material.fits[lobes], material.boxes[lobes]
-    count = analysis.GRID_ONE if lobes == 1 else analysis.GRID_TWO
-    sigma = analysis.sigma_axis(material, lobes, count)
+    sigma = analysis.sigma_axis(material, lobes, analysis.GRID_ONE if lobes == 1 else analysis.GRID_TWO)
+    sigma = np.unique(np.concatenate([sigma, np.clip(fit.sigma, sigma[0], sigma[-1])]))
     curve = analysis.objective(material, sigma, lobes)
-    if lobes == 1:
-        bound = boxes.bound_at(sigma)
-    else:
-        bound = _raster(boxes, sigma, sigma).min(axis=1)
-        curve = None if curve is None else curve.min(axis=1)
-    bound = np.maximum(bound, 0)
+    if curve is not None and lobes == 2:
+        curve = curve.min(axis=1)
+    edges, bound = analysis.bound_steps(boxes, float(sigma[0]), float(sigma[-1]))
     top = float(np.max(curve if curve is not None else bound)) or 1.0
-    positive = [float(v) for v in (fit.e2, top) if v > 0]
-    low = min(positive, default=0.1) / 2
-    low_sigma, high_sigma = analysis.near_optimal(material, lobes, 0.01)
+    low = min([v for v in (fit.e2, top) if v > 0], default=0.1) / 2
+    near = analysis.near_optimal(material, lobes, 0.01)
     name = "E²" if fit.norm == "l2" else _words.OBJECTIVES[fit.norm]
     plot = Plot(Axis(float(sigma[0]), float(sigma[-1]), True), Axis(low, max(top, low * 4) * 1.2, True), "roughness σ", name,
                 "Profile of %s over roughness with the certified lower bound, %s" % (name, _words.lobes_word(fit)))
-    if lobes == 1:
-        plot.band(low_sigma, high_sigma, "near")
-    plot.line(sigma, np.where(bound > 0, np.maximum(bound, low / 2), low / 2), "line bound")
+    for a, b in near:
+        plot.band(a, b, "near")
+    plot.line(np.repeat(edges, 2)[1:-1], np.maximum(np.repeat(bound, 2), low / 2), "line bound")
     if curve is not None:
         plot.line(sigma, curve, "line exact")
     plot.dots(fit.sigma, np.full(fit.lobes, fit.e2), "best", 3.2)
-    words = "%s: %s%s; below the lower line nothing exists, proven. The dots are the fit." % (
-        _words.lobes_word(fit), "the upper line is the smallest %s with a lobe of that σ" % name if curve is not None else name,
-        "" if lobes == 1 else ", whatever the other lobe")
-    if lobes == 1:
-        words += " The band holds every σ within 1 %% of the optimum: [%s, %s]." % (label(low_sigma), label(high_sigma))
-    else:
-        words += " Models within 1 %% of the optimum have both σ in [%s, %s], proven." % (label(low_sigma), label(high_sigma))
+    other = "" if lobes == 1 else ", whatever the other lobe"
+    words = "%s: %s; below the lower line is nothing, proven. " % (_words.lobes_word(fit), (
+        "the upper line is the smallest %s with a lobe of that σ%s" % (name, other)) if curve is not None else name + other)
+    words += "Models within 1 %% of the optimum have σ in %s, proven." % " and ".join(
+        "[%s, %s]" % (_words.directed(a, 4, False), _words.directed(b, 4, True)) for a, b in near)
     return plot.svg(), words
 
 
@@ -196,7 +190,8 @@ def box_map(material: Material) -> Figure:
     plot.raw("<image x='%s' y='%s' width='%s' height='%s' preserveAspectRatio='none' href='%s'/>" % (
         number(LEFT), number(TOP), number(WIDTH - LEFT - RIGHT), number(height - TOP - BOTTOM),
         data_uri(np.clip(image.round(), 0, 255).astype(np.uint8))))
-    plot.raw("<path class='boxes' d='%s'/>" % _outlines(boxes, axis_x, axis_y))
+    plot.raw("<clipPath id='half'><path d='M%s %sV%sH%sZ'/></clipPath><path class='boxes' clip-path='url(#half)' d='%s'/>" % (
+        number(LEFT), number(height - BOTTOM), number(TOP), number(WIDTH - RIGHT), _outlines(boxes, axis_x, axis_y)))
     plot.dots(fit.sigma[:1], fit.sigma[1:], "best", 3.2)
     caption = ("All %s boxes of the search. Colour is what was proven of a box: yellow ones reach down to the optimum, and the "
                "darker, the further above it every model in them lies. The boxes shrink around the fit (the dot) because "

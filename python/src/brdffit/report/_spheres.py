@@ -41,9 +41,10 @@ def render(material: Material) -> list[tuple[str, str]]:
     known = ~np.isnan(measured).any(1) | (cosine[:, 0] <= 0)
     measured = np.where(np.isnan(measured), 0, measured)
     difference = np.where(known[:, None], fitted - measured, 0)
-    out.insert(0, (_picture(inside, measured * exposure), "Rendered from the measured table"))
+    out.insert(0, (_picture(inside, measured * exposure, known), "Rendered from the measured table" + (
+        "" if known.all() else "; holes were not measured")))
     shade = np.clip(0.5 + 2 * difference * exposure, 0, 1)
-    out.append((_picture(inside, shade, gamma=1.0), "Fit less measured, four times as strong; mid-grey is equal"))
+    out.append((_picture(inside, shade, known, 1.0), "Fit less measured, four times as strong; mid-grey is equal"))
     return out
 
 
@@ -54,8 +55,9 @@ def _local(normal: Floats, direction: Floats) -> Floats:
     return np.stack([side @ direction, np.sum(np.cross(normal, side) * direction, 1), normal @ direction], -1)
 
 
-def _picture(inside: npt.NDArray[np.bool_], values: Floats, gamma: float = 2.2) -> str:
+def _picture(inside: npt.NDArray[np.bool_], values: Floats, known: npt.NDArray[np.bool_] | None = None,
+             gamma: float = 2.2) -> str:
     image = np.zeros((SIZE, SIZE, 4))
     image[inside, :3] = np.clip(values, 0, 1) ** (1 / gamma)
-    image[inside, 3] = 1
+    image[inside, 3] = 1 if known is None else known
     return data_uri((image * 255).round().astype(np.uint8))
