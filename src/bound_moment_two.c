@@ -149,6 +149,17 @@ static int narrow(const struct view *v)
     return change < MONOTONE_LEAST;
 }
 
+static double largest_of(const double gain[16])
+{
+    double largest = gain[0];
+    int i;
+
+    for (i = 1; i < 16; i++) {
+        largest = larger(largest, gain[i]);
+    }
+    return largest;
+}
+
 double brdffit_bound_moment_two(void *self, struct box *box, struct point *met)
 {
     struct bound_moment *e = self;
@@ -166,6 +177,11 @@ double brdffit_bound_moment_two(void *self, struct box *box, struct point *met)
 
         if (make_constant(&v, &safe)) {
             kernels->gains_two(&safe, 0, gain);
+        }
+        vertex = brdffit_bound_moment_objective(e, largest_of(gain));
+        if (vertex >= cutoff) {
+            box->bound = vertex; /* closed already: no need to climb, nor to know which side to split */
+            return best;
         }
         vertex = brdffit_bound_moment_objective(e, kernels->climb_two(gain, lift));
     }
