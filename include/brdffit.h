@@ -249,6 +249,26 @@ typedef struct brdffit_progress {
  * the thread of the fit: once after the reduction, then every 256 boxes. */
 typedef int (*brdffit_progress_fn)(void *user, const brdffit_progress *progress);
 
+/*
+ * A box of the search and what was proven of it. Lobes in ascending sigma, as in the result; of one lobe, only [0] is
+ * set, [1] is 0. A box with the same sides for both lobes stands for its half with sigma[0] <= sigma[1]. Where the
+ * lobe no longer changes towards small sigma, the box at the end reaches down to the result's sigma_floor.
+ */
+typedef struct brdffit_box {
+    double sigma_low[BRDFFIT_MAX_LOBES]; /* sides; 1/sqrt(n) where the parameter is the exponent n */
+    double sigma_high[BRDFFIT_MAX_LOBES];
+    double lower_bound; /* proven: no model with its roughness in the box has a smaller E^2 (units of result.e2). Once
+                           this closes the box, it is made no tighter */
+    int level;          /* times that its sides were halved (in ln sigma) since the first partition, sum over lobes */
+} brdffit_box;
+
+/*
+ * Called in the thread of the fit once for each box that was bounded: result.boxes times. Boxes that were split are
+ * followed by the boxes that they were split into; the others cover the domain. The box is the callee's only until
+ * it returns.
+ */
+typedef void (*brdffit_box_fn)(void *user, const brdffit_box *box);
+
 typedef struct brdffit_options {
     size_t struct_size;
     int lobes; /* P: 1 or 2. Default 1 */
@@ -272,6 +292,8 @@ typedef struct brdffit_options {
     brdffit_isa isa;         /* Default AUTO. One that cannot run here is BRDFFIT_ERR_UNSUPPORTED */
     brdffit_progress_fn progress; /* or NULL */
     void *progress_user;
+    brdffit_box_fn box; /* or NULL */
+    void *box_user;
 } brdffit_options;
 
 /* Set struct_size and every default. */

@@ -66,6 +66,7 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
     rules->progress = o->progress;
     rules->progress_user = o->progress_user;
     rules->progress_scale = brdffit_fit_scale(&f->data, o);
+    brdffit_fit_observe(f, o, rules);
     return BRDFFIT_OK;
 }
 

@@ -16,6 +16,13 @@
 #include "search.h"
 #include "varpro.h"
 
+/* What shows boxes to the caller: observe.c. */
+struct observer {
+    const struct fit *fit;
+    const brdffit_options *options;
+    double scale; /* objective to the caller's units */
+};
+
 struct fit {
     struct reduced data;
     struct axis axis;
@@ -31,6 +38,7 @@ struct fit {
     double theta_flat;            /* beyond theta_high nothing changes up to here: the end of the range, or of finite y */
     double theta_tail;            /* end of the options' range */
     double *x, *y, *rms;          /* K, K x P, K: the result's arrays */
+    struct observer observer;
 };
 
 /* Defaults for NULL, and every field in its range. */
@@ -60,6 +68,12 @@ void brdffit_fit_prepare(struct fit *fit, const brdffit_options *options);
 /* Make the engine that the options name, after brdffit_fit_prepare(); finish releases what engine socp allocated. */
 brdffit_status brdffit_fit_engine_start(struct fit *fit, const brdffit_options *options, struct engine *engine);
 void brdffit_fit_engine_finish(struct fit *fit, const brdffit_options *options);
+
+/* Have the rules show each box to the options' callback. *options and *fit must live as long as the search. */
+void brdffit_fit_observe(struct fit *fit, const brdffit_options *options, struct search_rules *rules);
+
+/* The roughness of theta, s^(-1/2) whatever the distribution's parameter is, never outside of the options' range. */
+double brdffit_fit_sigma(const struct fit *fit, double theta, const brdffit_options *options);
 
 /* Exact objective at a point in the fit's norm, while its engine is there. With `prove`, value->kkt is meant too. */
 void brdffit_fit_evaluate(struct fit *fit, const struct point *at, int prove, struct varpro_value *value);

@@ -21,8 +21,7 @@ static double exponent_of(const struct fit *f, double theta, const brdffit_optio
                                     : clamp(kernel_exp(theta), o->exponent_min, o->exponent_max);
 }
 
-/* The roughness of theta, s^(-1/2) whatever the distribution's parameter is. */
-static double sigma_of(const struct fit *f, double theta, const brdffit_options *o)
+double brdffit_fit_sigma(const struct fit *f, double theta, const brdffit_options *o)
 {
     if (f->family->by_exponent) {
         return 1.0 / sqrt(exponent_of(f, theta, o));
@@ -89,8 +88,8 @@ static double flat_end(struct fit *f, const struct point *at, int p, double end,
 static void publish_roughness(const struct fit *f, double theta, double high, const brdffit_options *o,
                               brdffit_lobe *lobe)
 {
-    lobe->sigma = lobe->sigma_high = sigma_of(f, theta, o);
-    lobe->sigma_low = sigma_of(f, high, o);
+    lobe->sigma = lobe->sigma_high = brdffit_fit_sigma(f, theta, o);
+    lobe->sigma_low = brdffit_fit_sigma(f, high, o);
     if (f->family->by_exponent) {
         lobe->exponent = lobe->exponent_low = exponent_of(f, theta, o);
         lobe->exponent_high = exponent_of(f, high, o);
@@ -295,7 +294,7 @@ static void publish(struct fit *f, const brdffit_options *o, brdffit_result *res
     for (p = 0; p < o->lobes; p++) {
         result->model.sigma[p] = result->lobe[p].sigma;
     }
-    result->sigma_floor = f->theta_flat < f->theta_low ? INFINITY : sigma_of(f, f->theta_flat, o);
+    result->sigma_floor = f->theta_flat < f->theta_low ? INFINITY : brdffit_fit_sigma(f, f->theta_flat, o);
     result->distinct_c = f->data.distinct;
     result->samples_used = f->data.used;
     for (p = 0; p < BRDFFIT_SKIP_COUNT; p++) {

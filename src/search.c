@@ -81,6 +81,13 @@ static double bound_box(struct search *s, struct box *box, struct point *met)
     return objective;
 }
 
+static void observe(const struct search *s, const struct box *box)
+{
+    if (s->rules->observe) {
+        s->rules->observe(s->rules->observe_self, box);
+    }
+}
+
 static void keep_or_close(struct search *s, const struct box *box)
 {
     if (box->bound >= brdffit_search_cutoff(s->rules, s->result->objective)) {
@@ -102,6 +109,7 @@ static void child(struct search *s, const struct box *parent, uint32_t first, ui
         improve(s, &met);
     }
     box.bound = fmax(box.bound, parent->bound); /* a child is part of its parent */
+    observe(s, &box);
     keep_or_close(s, &box);
 }
 
@@ -122,6 +130,7 @@ static void first_boxes(struct search *s)
             box.interval[0] = i;
             box.interval[1] = s->engine->lobes > 1 ? j : 0;
             objective = bound_box(s, &box, &met);
+            observe(s, &box);
             if (objective < best_objective) {
                 best_objective = objective;
                 best = met;

@@ -17,6 +17,8 @@ struct search_rules {
     brdffit_progress_fn progress;
     void *progress_user;
     double progress_scale;   /* objective to what the caller sees */
+    void (*observe)(void *self, const struct box *box); /* or NULL: each box once, with its final bound */
+    void *observe_self;
 };
 
 struct search_result {

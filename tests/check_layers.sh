@@ -16,7 +16,7 @@ layer_of() { # file name without directory
         ;;
     bound | bound_* | restricted | restricted_* | interval | interval_* | varpro | varpro_* | refine | refine_*) echo 3 ;;
     search | search_*) echo 4 ;;
-    fit | fit_* | options | report | report_* | eval | eval_* | reprove) echo 5 ;;
+    fit | fit_* | options | report | report_* | eval | eval_* | observe | reprove) echo 5 ;;
     *) echo none ;;
     esac
 }
