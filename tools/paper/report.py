@@ -168,7 +168,8 @@ def write(e):
         "### Boxes", "",
         "Both engines, same partition and search; a level is one halving of one side (`boxes.svg`, `boxes.csv`). With two "
         "lobes engine socp stops at the paper's half-length of 2⁻¹¹ in σ (or 1,000,000 boxes), on one material in "
-        f"{e.boxes_every}, by name: its first-order bounds do not close a gap of 1e-6 there.", "", box_rows(e), "",
+        f"{e.boxes_every}, by name: its first-order bounds do not close a gap of 1e-6 there. E² apart: relative, where it is more than 1e-12 of the data's "
+        "sum of squares, else 0.", "", box_rows(e), "",
         "### Local solvers from random starts", "",
         "The paper: Levenberg–Marquardt with two lobes is at the global optimum for 51 of 100 materials after 100 starts "
         "and for 60 after 5,000. Below, a solver counts as at the optimum when its best E² is within 1e-6 (or 1e-3) of the "
