@@ -81,6 +81,11 @@ def test_starts_are_chained_without_holes_and_counted_once():
     assert peer.milestones(["m"], 1, 100) == [1, 2, 10]
 
 
+def test_engines_are_compared_relatively_but_for_exact_fits():
+    assert arithmetic.relative_difference(fit(1.0), fit(1.5)) == 0.5
+    assert arithmetic.relative_difference(fit(1e-14), fit(1e-20)) == 0.0
+
+
 def test_supervision_takes_the_better_one_lobe_answer():
     peer = arithmetic.Peer([row("m", 1, 0, 10, 2.0), row("m", 2, 0, 10, 3.0)])
     assert peer.best("m", 2, 10) == 2.0

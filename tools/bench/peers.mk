@@ -62,7 +62,7 @@ PAPER_OPTIONS ?=
 RESULTS ?=
 NOTE ?=
 
-paper: $(BUILD)/peers $(BUILD)/brdffit $(BUILD)/tests/ref/brute
+paper: $(BUILD)/peers $(BUILD)/brdffit $(BUILD)/bench_boxes $(BUILD)/tests/ref/brute
 	@[ -n $(call quote,$(DATA)) ] || { echo 'usage: make paper DATA=directory [STARTS=100]: MERL .binary[.gz] or CSV files' >&2; exit 2; }
 	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(BUILD)/paper_venv' tools/paper/requirements.txt
 	@PYTHONPYCACHEPREFIX='$(BUILD)/pycache' '$(BUILD)/paper_venv/bin/python' tools/paper/paper.py \

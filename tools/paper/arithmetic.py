@@ -46,6 +46,12 @@ def excess(e2, certified, sum_of_squares):
     return 0.0 if at_optimum(e2, certified, sum_of_squares, 0.0) else e2 / certified - 1
 
 
+def relative_difference(one, two):
+    """Of two E2 of the same data, but for rounding of exact fits."""
+    apart = abs(one["e2"] - two["e2"])
+    return 0.0 if apart <= ROUNDING * one["sum_of_squares"] else apart / min(one["e2"], two["e2"])
+
+
 class Peer:
     """One setting of one local solver on all materials: the rows of the cache that belong to it."""
 

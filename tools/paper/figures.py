@@ -136,3 +136,18 @@ def excesses(out, rows, labels, counts):
     handles, names = grid[0][0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=3)
     save(figure, out, "figure10")
+
+
+def levels(out, rows):
+    """Boxes at each level: where bounds of first order cluster, and those of second order do not."""
+    figure, grid = plt.subplots(1, 2, figsize=(7.4, 3.6), sharey=True)
+    for axes, lobes in zip(grid, (1, 2)):
+        for index, engine in enumerate(("moment", "socp")):
+            part = [r for r in rows if (r["engine"], r["lobes"]) == (engine, lobes) and r["boxes"]]
+            axes.plot([r["level"] / lobes for r in part], [r["boxes"] / r["materials"] for r in part], color=INK[index],
+                      lw=1.4, marker="o", ms=2.5, label=f"engine {engine}")
+        axes.set(yscale="log", xlabel="halvings of a side (ln σ), mean over lobes",
+                 title=f"{lobes} lobe{'s' * (lobes > 1)}, {part[0]['materials']} materials")
+    grid[0].set_ylabel("boxes a material")
+    grid[0].legend(loc="upper right")
+    save(figure, out, "boxes")

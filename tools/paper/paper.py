@@ -26,16 +26,21 @@ class Experiments:
         self.programs = Programs(options.build, options.out)
         self.out = self.programs.out
         self.gap, self.seed, self.every = GAP, options.seed, options.every
+        self.boxes_every = options.boxes_every
         self.note, self.command, self.cached = options.note, options.command, options.cached
         self.samples = self.programs.prepare(options.data)
         say(f"{len(self.samples)} materials")
         self.fits = self.all_fits()
         self.brute = self.all_brute(options)
+        self.boxes = self.all_boxes(options)
+        self.linf = self.programs.boxes(self.samples, "moment", 1, "--norm", "linf", "--gap", 1e-3)
         self.versions = self.programs.peer_versions()
         self.scopes = {"all": (sorted(self.samples), options.starts)}
         if options.deep_starts > options.starts:
             self.scopes["subset"] = (sorted(self.samples)[:: options.every], options.deep_starts)
         self.peers = self.all_peers(options)
+        if options.cached and "subset" in self.scopes:
+            self.narrow(options.deep_starts)
         self.starts_run = self.judge_peers()
 
     def all_fits(self):
@@ -68,6 +73,25 @@ class Experiments:
                 self.programs.peers({m: self.samples[m] for m in materials}, starts, settings, self.seed)
             peers[settings[0]] = a.Peer(self.programs.peer_rows(self.samples, settings, self.seed))
         return peers
+
+    def narrow(self, starts):
+        """With --cached, the deep scope is what an interrupted run got done with its first setting."""
+        first = next(iter(self.peers.values()))
+        done = [m for m in self.scopes["subset"][0] if first.complete(m, 2, starts)]
+        self.scopes["subset"] = (done, starts)
+        if not done:
+            del self.scopes["subset"]
+
+    def all_boxes(self, options):
+        """(engine, lobes) -> material -> boxes a level; engine socp with two lobes to the paper's resolution only."""
+        names = sorted(self.samples)
+        some = {m: self.samples[m] for m in names[:: options.boxes_every]}
+        found = {}
+        for engine in ("moment", "socp"):
+            found[engine, 1] = self.programs.boxes(self.samples, engine, 1, "--gap", self.gap)
+            found[engine, 2] = self.programs.boxes(some, engine, 2, "--gap", self.gap, *(
+                ["--resolution", 2.0 ** (1 - STEP_LOG2), "--budget", 1000000] if engine == "socp" else []))
+        return found
 
     def judge_peers(self):
         wrong = a.below_bound(self.peers.values(), {p: self.fits["beckmann", p] for p in (1, 2)})
@@ -135,6 +159,13 @@ class Experiments:
         return rows
 
 
+    def level_rows(self):
+        return [{"engine": engine, "lobes": lobes, "materials": len(answers), "level": level,
+                 "boxes": sum(b["levels"][level] for b in answers.values() if level < len(b["levels"]))}
+                for (engine, lobes), answers in self.boxes.items()
+                for level in range(max(len(b["levels"]) for b in answers.values()))]
+
+
 def write_csv(path, rows):
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
@@ -163,6 +194,9 @@ def draw(e):
     rows = e.excess_rows()
     write_csv(e.out / "figure10.csv", rows)
     figures.excesses(e.out, rows, list(e.peers), counts)
+    rows = e.level_rows()
+    write_csv(e.out / "boxes.csv", rows)
+    figures.levels(e.out, rows)
 
 
 def read_options(arguments):
@@ -175,6 +209,8 @@ def read_options(arguments):
     parser.add_argument("--every", type=int, default=10, help="M (default 10)")
     parser.add_argument("--brute-every", type=int, default=10,
                         help="two-lobe brute force for every Mth material only (default 10)")
+    parser.add_argument("--boxes-every", type=int, default=10,
+                        help="two-lobe boxes a level for every Mth material only (default 10)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--no-brute", action="store_true", help="leave the brute force out")
     parser.add_argument("--cached", action="store_true",
@@ -182,13 +218,14 @@ def read_options(arguments):
     parser.add_argument("--results", help="Markdown file to put the table into as well")
     parser.add_argument("--note", help="what the data are, for the table")
     options = parser.parse_args(arguments)
-    if min(options.starts, options.every, options.brute_every) < 1:
-        parser.error("--starts, --every and --brute-every begin at 1")
+    if min(options.starts, options.every, options.brute_every, options.boxes_every) < 1:
+        parser.error("--starts, --every, --brute-every and --boxes-every begin at 1")
     folder = pathlib.Path(options.data).resolve().name
     options.note = options.note or f"the files of `{folder}`; this program cannot tell genuine MERL tables from others."
     extra = [f"--deep-starts {options.deep_starts}"] if options.deep_starts else []
     extra += [f"--every {options.every}"] if options.every != 10 else []
     extra += [f"--brute-every {options.brute_every}"] if options.brute_every != 10 else []
+    extra += [f"--boxes-every {options.boxes_every}"] if options.boxes_every != 10 else []
     extra += [f"--seed {options.seed}"] if options.seed != 1 else []
     extra += ["--cached"] if options.cached else []
     extra += ["--no-brute"] if options.no_brute else []

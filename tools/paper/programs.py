@@ -119,7 +119,22 @@ class Programs:
 
     def brute(self, samples, lobes, step_log2):
         """material -> JSON answer of the exhaustive search, from the cache where the file is the same."""
-        cache = self.out / "brute.jsonl"
+        program = self.build / "tests" / "ref" / "brute"
+        return self.cached("brute.jsonl", f"{lobes} {step_log2}", f"brute force, {lobes} lobes", samples,
+                           [program, "--json", "--lobes", lobes, "--step-log2", step_log2])
+
+    def boxes(self, samples, engine, lobes, *more):
+        """material -> JSON line of bench_boxes; engine moment takes no time and is run afresh."""
+        command = [self.build / "bench_boxes", "--engine", engine, "--lobes", lobes, *more]
+        if engine == "moment" and "--norm" not in more:
+            lines = run([*command, *samples.values()]).splitlines()
+            return dict(zip(samples, map(json.loads, lines)))
+        return self.cached("boxes.jsonl", " ".join(map(str, command[1:])), " ".join(map(str, command[1:5] + list(more))),
+                           samples, command)
+
+    def cached(self, name, settings, title, samples, command):
+        """material -> JSON answer of a command about its file, from the cache where file and settings are the same."""
+        cache = self.out / name
         known = {}
         if cache.exists():
             for line in cache.read_text(encoding="utf-8").splitlines():
@@ -130,12 +145,10 @@ class Programs:
                     continue  # cut short by an interruption
         answers = {}
         for done, (material, path) in enumerate(samples.items()):
-            key = f"{hashlib.sha256(path.read_bytes()).hexdigest()} {lobes} {step_log2}"
+            key = f"{hashlib.sha256(path.read_bytes()).hexdigest()} {settings}"
             if key not in known:
-                say(f"brute force, {lobes} lobes: {done + 1} of {len(samples)}")
-                program = self.build / "tests" / "ref" / "brute"
-                text = run([program, "--json", "--lobes", lobes, "--step-log2", step_log2, path])
-                known[key] = json.loads(text)
+                say(f"{title}: {done + 1} of {len(samples)}")
+                known[key] = json.loads(run([*command, path]))
                 with open(cache, "a", encoding="utf-8") as file:
                     file.write("\n" + json.dumps({"key": key, "answer": known[key]}) + "\n")
             answers[material] = known[key]
