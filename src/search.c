@@ -143,7 +143,6 @@ static void first_boxes(struct search *s)
             box.interval[0] = i;
             box.interval[1] = s->engine->lobes > 1 ? j : 0;
             objective = bound_box(s, &box, &met);
-            observe(s, &box);
             if (objective < best_objective) {
                 best_objective = objective;
                 best = met;
