@@ -128,8 +128,8 @@ static void open_one(const struct bound_moment *e, const struct interval *v, str
     in->fall = v->kappa_shift;
 }
 
-/* The bound of one interval by its shifts; `gain`: of its ends, as they are. */
-static double vertex_one(const struct bound_moment *e, const struct interval *v, double gain[4])
+/* The bound of one interval by its shifts, by the highest corner where that reaches `cutoff`; `gain`: of its ends, as they are. */
+static double vertex_one(const struct bound_moment *e, const struct interval *v, double cutoff, double gain[4])
 {
     const struct kernels *kernels = e->moments.kernels;
     struct gains_one in;
@@ -141,7 +141,10 @@ static double vertex_one(const struct bound_moment *e, const struct interval *v,
         return 0.0;
     }
     if (smaller(in.cosine[0], in.cosine[1]) - larger(in.fall, 0.0) >= 0.0) {
-        return brdffit_bound_moment_objective(e, kernels->climb_one(gain));
+        double highest = larger(larger(gain[0], gain[1]), larger(gain[2], gain[3]));
+        double bound = brdffit_bound_moment_objective(e, highest);
+
+        return bound >= cutoff ? bound : brdffit_bound_moment_objective(e, kernels->climb_one(gain));
     }
     in.cosine[0] = in.cosine[1] = v->kappa_inf;
     in.fall = 0.0;
@@ -158,11 +161,11 @@ double brdffit_bound_moment_one(void *self, struct box *box, struct point *met)
     int i, depth;
 
     box->split = 0;
-    box->bound = vertex_one(e, v, gain);
+    box->bound = vertex_one(e, v, cutoff, gain);
     for (depth = 1; depth <= 2 && !(box->bound >= cutoff); depth++) {
         v = brdffit_bound_moment_side(e, box->interval[0], depth);
         if (v->refined == depth) {
-            box->bound = larger(box->bound, vertex_one(e, v, gain));
+            box->bound = larger(box->bound, vertex_one(e, v, cutoff, gain));
         }
     }
     for (i = 0; i < 2; i++) {

@@ -2,7 +2,7 @@
  * Rows of the vector form. Layer 2. SPDX-License-Identifier: MIT
  *
  * Samples of one c all have g_i = b_i phi(s, c), so their residual norm is |B (x, Y, -1)| with the n x (2 + K)
- * matrix B = [a b I_1 .. I_K] and Y = sum_p y_p phi(s_p, c). Where n exceeds 2 + K, the triangle of B's QR
+ * matrix B = [a b I_1 .. I_K] and Y = sum_p y_p phi(s_p, c). Where n exceeds 2 + K by far, the triangle of B's QR
  * factorisation gives the same norm for every x and Y in 2 + K rows: a table of a million cells becomes a few
  * hundred rows, backward stably (Householder, REDUCE_BLOCK samples at a time). Rows made this way may be
  * negative; the vector form does not care. Other norms are not invariant under rotation: theirs are the samples.
@@ -19,6 +19,9 @@ double brdffit_reduce_value(const struct reduced *r, const brdffit_samples *samp
 
     return value / r->channel_scale[k] * r->sample_factor[j]; /* in this order, subnormal data keep their bits */
 }
+
+/* A triangle costs about as much as a dozen evaluations of the rows that it saves: only large groups pay it back. */
+#define WORTHWHILE 4
 
 static void raw_row(struct reduced *r, const brdffit_samples *samples, uint32_t j, uint32_t group)
 {
@@ -162,7 +165,7 @@ void brdffit_reduce_rows(struct reduced *r, const brdffit_samples *samples, brdf
         end = brdffit_reduce_group_end(r, place);
         if (norm != BRDFFIT_NORM_L2) {
             sample_rows(r, samples, place, end, index, norm);
-        } else if (end - place > r->channels + 2) {
+        } else if (end - place > WORTHWHILE * (r->channels + 2)) {
             triangle_rows(r, samples, place, end, index);
         } else {
             for (; place < end; place++) {
