@@ -309,7 +309,7 @@ typedef enum brdffit_stop {
     BRDFFIT_STOP_RELATIVE_GAP = 0, /* proven to relative_gap */
     BRDFFIT_STOP_ABSOLUTE_GAP,     /* proven to absolute_gap: E^2 is at rounding level */
     BRDFFIT_STOP_RESOLUTION,       /* every box left is narrower than sigma_resolution */
-    BRDFFIT_STOP_ROUNDING,         /* boxes cannot be split further in floating point */
+    BRDFFIT_STOP_ROUNDING,         /* boxes cannot be split further in floating point, or bins of sums are too coarse */
     BRDFFIT_STOP_BUDGET,           /* box_budget is used up */
     BRDFFIT_STOP_MEMORY,           /* the workspace's node table is full */
     BRDFFIT_STOP_CANCELLED,        /* the progress callback said so */
@@ -431,6 +431,21 @@ BRDFFIT_API size_t brdffit_sums_size(size_t channels, size_t groups);
 BRDFFIT_API brdffit_status brdffit_sums_init(void *memory, size_t size, size_t channels, size_t groups,
                                              const brdffit_options *options, brdffit_sums **sums,
                                              brdffit_error *error);
+
+/*
+ * From here on, put samples into bins of c instead of one group per distinct c: for millions of distinct c. To be
+ * called before any sample is added; exponential lobes only (all but GGX: BRDFFIT_ERR_UNSUPPORTED). The smallest
+ * BRDFFIT_SUMS_EXACT distinct c (an eighth of the groups, if fewer) keep groups of their own; each other sample is
+ * shared between the two nodes around its c, 2^bits nodes an octave, 1 <= bits <= 20. Groups that this takes: those, and
+ * up to 2^bits for each octave from there to the largest c, however many samples there are.
+ *
+ * What brdffit_fit_sums() then claims is about the samples: lower_bound is proven for them, and their own E^2 at the
+ * model is within e2_error of e2. `certified` says that even e2 + e2_error meets the gap; when only the bins are too
+ * coarse for that, stop is BRDFFIT_STOP_ROUNDING. The errors fall like 4^-bits. Progress, the lobes' flat intervals and
+ * effective_samples are those of the binned samples; options.box must be NULL; rows are refused (they need no bins).
+ */
+#define BRDFFIT_SUMS_EXACT 256
+BRDFFIT_API brdffit_status brdffit_sums_bins(brdffit_sums *sums, int bits, brdffit_error *error);
 
 /*
  * Add samples of any form and quantity, checked and skipped as by brdffit_fit(). When one is at fault, error->sample is

@@ -59,6 +59,9 @@ static brdffit_status check_call(const brdffit_sums *sums, const brdffit_options
     if (o->distribution != sums->distribution || o->max_incidence != sums->max_incidence) {
         return brdffit_fail(error, BRDFFIT_ERR_OPTION, "the sums were made for another distribution or max_incidence");
     }
+    if (sums->bits && o->box) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "boxes of binned sums would be shown without the remainder");
+    }
     needed = brdffit_sums_workspace_size(sums, o);
     if (needed == 0) {
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "more groups or channels than can be addressed");
@@ -95,6 +98,7 @@ brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_opti
     brdffit_options defaults;
     brdffit_status status;
     struct fit fit;
+    brdffit_options inner;
 
     if (!options) {
         brdffit_options_init(&defaults);
@@ -105,10 +109,15 @@ brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_opti
         status = open_sums(&fit, sums, options, workspace, workspace_size, error);
     }
     if (status == BRDFFIT_OK) {
-        status = brdffit_fit_finish(&fit, options, result, error);
+        inner = *options;
+        inner.relative_gap *= sums->bits ? 0.5 : 1.0; /* the other half is for the bins */
+        status = brdffit_fit_finish(&fit, &inner, result, error);
     }
     if (status == BRDFFIT_OK) {
         result->e2_error = 9.0 * TOL_GRAM * TOL_UNIT * result->sum_of_squares;
+        if (sums->bits) {
+            brdffit_sums_remainder(sums, options, result);
+        }
     }
     return status;
 }

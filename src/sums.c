@@ -30,6 +30,8 @@ static int layout(struct brdffit_sums *s, struct arena *arena)
     s->c = ARENA_DOUBLES(arena, s->capacity);
     s->product = brdffit_arena_take(arena, s->capacity, SUMS_PRODUCTS(K) * sizeof *s->product);
     s->slot = brdffit_arena_take(arena, s->slots, sizeof *s->slot);
+    s->cell = brdffit_arena_take(arena, s->capacity, sizeof *s->cell);
+    s->ascending = brdffit_arena_take(arena, s->capacity, sizeof *s->ascending);
     s->largest = ARENA_DOUBLES(arena, K);
     s->magnitude = ARENA_DOUBLES(arena, K);
     s->totals_memory = ARENA_DOUBLES(arena, STRIP_TOTALS_DOUBLES(K));
@@ -126,6 +128,7 @@ size_t brdffit_sums_find(struct brdffit_sums *s, double c)
     }
     s->slot[at] = (uint32_t)(s->groups + 1);
     s->c[s->groups] = c;
+    s->cell[s->groups].high = s->cell[s->groups].low = 0.0;
     memset(sums_group(s, s->groups), 0, SUMS_PRODUCTS(s->channels) * sizeof(struct sums_pair));
     return s->recent = s->groups++;
 }
@@ -185,6 +188,25 @@ static void add_to_group(struct brdffit_sums *s, struct sums_pair *product, cons
     }
 }
 
+/* Add the sample to its group, or to the two that share it; 0 when there is no room. */
+static int add_products(struct brdffit_sums *s, const struct geometry *g, double w, const double *value,
+                        double to_radiance)
+{
+    struct sums_split split = {{0, 0}, {1.0, 1.0}};
+    int i, parts = 1;
+
+    if (s->bits && g->b > 0.0) {
+        parts = brdffit_sums_split(s, g->c, w * g->b * g->b, &split);
+    } else {
+        split.group[0] = brdffit_sums_find(s, g->b > 0.0 ? g->c : INFINITY);
+        parts = split.group[0] < s->capacity;
+    }
+    for (i = 0; i < parts; i++) {
+        add_to_group(s, sums_group(s, split.group[i]), g, w * split.share[i], value, to_radiance);
+    }
+    return parts > 0;
+}
+
 static brdffit_status add_sample(struct brdffit_sums *s, const brdffit_samples *samples, size_t i,
                                  brdffit_error *error)
 {
@@ -193,7 +215,6 @@ static brdffit_status add_sample(struct brdffit_sums *s, const brdffit_samples *
     brdffit_skip skip = brdffit_geometry_sample(samples, s->distribution, s->min_cosine, i, &g, &status, error);
     double to_radiance = samples->quantity == BRDFFIT_QUANTITY_RADIANCE ? 1.0 : g.cos_light;
     double w = samples->weights ? samples->weights[i] : 1.0;
-    size_t group;
 
     if (status != BRDFFIT_OK) {
         return status;
@@ -206,13 +227,12 @@ static brdffit_status add_sample(struct brdffit_sums *s, const brdffit_samples *
     if (status != BRDFFIT_OK) {
         return status;
     }
-    group = brdffit_sums_find(s, g.b > 0.0 ? g.c : INFINITY);
-    if (group == s->capacity) {
-        (void)brdffit_fail_at(error, "the samples have more distinct c than the sums have groups", i, BRDFFIT_NONE,
-                              g.c);
+    if (!add_products(s, &g, w, samples->values + i * s->channels, to_radiance)) {
+        (void)brdffit_fail_at(error, s->bits ? "the samples need more bins than the sums have groups"
+                                             : "the samples have more distinct c than the sums have groups",
+                              i, BRDFFIT_NONE, g.c);
         return error ? (error->status = BRDFFIT_ERR_WORKSPACE) : BRDFFIT_ERR_WORKSPACE;
     }
-    add_to_group(s, sums_group(s, group), &g, w, samples->values + i * s->channels, to_radiance);
     sums_add(&s->weight, w);
     s->largest_weight = fmax(s->largest_weight, w);
     s->used++;

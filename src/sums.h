@@ -39,6 +39,11 @@ struct brdffit_sums {
     size_t slots;            /* a power of two > 1.5 x capacity */
     size_t recent;           /* group found last */
 
+    int bits;                /* 0: every c has its group; else nodes have that many bits after the first (sums_bins.c) */
+    size_t exact, exact_used; /* groups 0 .. exact - 1 are those of the smallest c, by themselves and not in `slot` */
+    uint32_t *ascending;     /* exact_used groups in ascending c */
+    struct sums_pair *cell;  /* capacity: sum w b^2 of the samples between the node and the next */
+
     double *largest;         /* K: largest radiance, >= 0 */
     double *magnitude;       /* K: largest |radiance| */
     double largest_weight;
@@ -63,6 +68,20 @@ static inline double sums_value(const struct sums_pair *s)
 {
     return s->high + s->low;
 }
+
+/* Room for a sample of c and b > 0 in binned sums, and its w b^2 noted. Returns how many groups share it, 0 when there
+ * is no room; group[i] gets share[i] of its weight. */
+struct sums_split {
+    size_t group[2];
+    double share[2];
+};
+int brdffit_sums_split(struct brdffit_sums *sums, double c, double bb, struct sums_split *split);
+
+/* Width of the cell above a node. */
+double brdffit_sums_width(const struct brdffit_sums *sums, double node);
+
+/* Make the result of a fit of binned sums one of the samples: lower bound, e2_error and what follows (sums_remainder.c). */
+void brdffit_sums_remainder(const struct brdffit_sums *sums, const brdffit_options *options, brdffit_result *result);
 
 /* Products of group g. */
 static inline struct sums_pair *sums_group(const struct brdffit_sums *sums, size_t g)

@@ -71,11 +71,12 @@ static void order_groups(const struct brdffit_sums *s, struct reduced *r)
 
     r->used = s->groups;
     for (g = 0; g < s->groups; g++) {
-        r->sample_c[g] = s->c[g];
+        /* A node that was made in vain, for a sample that was refused, is no c. */
+        r->sample_c[g] = sums_value(sums_group(s, g) + SUMS_BB) > 0.0 ? s->c[g] : INFINITY;
     }
     brdffit_reduce_sort(r);
     r->snapped = 0.0;
-    if (s->directions) {
+    if (s->directions && !s->bits) { /* nodes are never that close, and are to stay where they are */
         brdffit_reduce_snap(r);
     }
     brdffit_reduce_groups(r);

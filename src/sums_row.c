@@ -212,6 +212,9 @@ brdffit_status brdffit_sums_add_row_run(brdffit_sums *s, const brdffit_row *row,
     if (status != BRDFFIT_OK) {
         return status;
     }
+    if (s->bits) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "rows share their c and need no bins");
+    }
     tangent = row->sin_half / row->cos_half;
     if (!(tangent * tangent <= LIMIT_C)) {
         return brdffit_fail_at(error, "tan^2 alpha of a row must be at most 1e100", BRDFFIT_NONE, BRDFFIT_NONE,

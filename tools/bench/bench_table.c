@@ -238,11 +238,14 @@ static void fill(struct chunk *k, size_t count, int scattered)
     }
 }
 
+/* scattered 0: 90 distinct c; 1: as many as samples, a group each; 2: the same in bins. */
 static void scale_sums(const struct settings *s, size_t n, int scattered)
 {
     static struct chunk chunk;
     static double fits[MOST_REPEATS];
-    size_t groups = scattered ? 4096 : 90, size = brdffit_sums_size(3, groups), at, room;
+    static const char *const shown[] = {"90 distinct c", "every c distinct", "every c distinct, bins"};
+    static const char *const add[] = {"add", "add_scattered", "add_bins"}, *const fit[] = {"fit", "fit_scattered", "fit_bins"};
+    size_t groups = scattered == 2 ? 16384 : scattered ? 4096 : 90, size = brdffit_sums_size(3, groups), at, room;
     brdffit_sums *sums = NULL;
     brdffit_options options;
     brdffit_error error = {0};
@@ -256,6 +259,9 @@ static void scale_sums(const struct settings *s, size_t n, int scattered)
     if (brdffit_sums_init(block, size, 3, groups, &options, &sums, &error) != BRDFFIT_OK) {
         stop("sums", error.message);
     }
+    if (scattered == 2 && brdffit_sums_bins(sums, 8, &error) != BRDFFIT_OK) {
+        stop("bins", error.message);
+    }
     chunk.state = n;
     for (at = 0; at < n; at += CHUNK) {
         double start;
@@ -263,7 +269,7 @@ static void scale_sums(const struct settings *s, size_t n, int scattered)
         fill(&chunk, n - at < CHUNK ? n - at : CHUNK, scattered);
         start = now();
         if (brdffit_sums_add(sums, &chunk.samples, &error) != BRDFFIT_OK) {
-            printf("%10zu samples, %s: %s\n", n, scattered ? "every c distinct" : "90 distinct c", error.message);
+            printf("%10zu samples, %s: %s\n", n, shown[scattered], error.message);
             free(block);
             return;
         }
@@ -279,11 +285,15 @@ static void scale_sums(const struct settings *s, size_t n, int scattered)
         }
         fits[i] = now() - start;
     }
-    printf("%10zu samples, %s: added in %.3g s (%.0f ns each), fitted in %.3f ms; %.1f MB of sums\n", n,
-           scattered ? "every c distinct" : "90 distinct c", adding, 1e9 * adding / (double)n,
+    printf("%10zu samples, %s: added in %.3g s (%.0f ns each), fitted in %.3f ms; %.1f MB of sums\n", n, shown[scattered],
+           adding, 1e9 * adding / (double)n,
            1e3 * median(fits, s->repeat), (double)size / 1e6);
-    record(s, scattered ? "add_scattered" : "add", "", 2, n, adding);
-    record(s, scattered ? "fit_scattered" : "fit", "", 2, n, median(fits, s->repeat));
+    if (scattered == 2) {
+        printf("%28s%zu bins; E^2 to %.1e of itself, gap %.1e, %s\n", "", result.distinct_c,
+               result.e2_error / result.e2, result.gap / result.e2, brdffit_stop_string(result.stop));
+    }
+    record(s, add[scattered], "", 2, n, adding);
+    record(s, fit[scattered], "", 2, n, median(fits, s->repeat));
     free(workspace);
     free(block);
 }
@@ -337,6 +347,7 @@ int main(int argc, char **argv)
     for (n = 100; n <= s.scaling; n *= 10) {
         scale_sums(&s, n, 0);
         scale_sums(&s, n, 1);
+        scale_sums(&s, n, 2);
     }
     return s.csv && fclose(s.csv) != 0;
 }
