@@ -3,14 +3,11 @@
 SPDX-License-Identifier: MIT
 """
 import os
-import pathlib
 import sys
 
 import pytest
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BUILD = (ROOT / os.environ.get("BRDFFIT_BUILD", "build")).resolve()
-SOURCES = ROOT / "python" / "src"
+from places import BUILD, ROOT, SOURCES
 
 os.environ["BRDFFIT_LIBRARY"] = str(BUILD / "libbrdffit.so")
 # The independent model and the runner of the command line's tests.

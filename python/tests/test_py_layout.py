@@ -6,7 +6,7 @@ import shlex
 import subprocess
 
 import pytest
-from conftest import ROOT
+from places import ROOT
 
 from brdffit import _ffi, _structs
 

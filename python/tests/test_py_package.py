@@ -6,7 +6,7 @@ import sys
 import zipfile
 
 import pytest
-from conftest import BUILD, ROOT
+from places import BUILD, ROOT
 
 import brdffit
 

@@ -7,7 +7,7 @@ import sys
 import harness
 import numpy as np
 import pytest
-from conftest import SOURCES
+from places import SOURCES
 
 import browser
 import brdffit

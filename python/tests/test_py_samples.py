@@ -12,7 +12,7 @@ import brdffit
 
 
 def test_the_shipped_example_is_the_goniometers(instruments):
-    from conftest import SOURCES
+    from places import SOURCES
 
     assert (instruments / "two_lobe_satin.csv").read_bytes() == (SOURCES / "brdffit" / "two_lobe_satin.csv").read_bytes()
 

@@ -11,13 +11,32 @@ set -u
 kind=$1
 shift
 
-run_each() { # kind, commands
+# Run programs, as many at a time as there are processors; NAME.out and NAME.code of each in the scratch folder.
+run_together() { # programs
+    jobs=$(getconf _NPROCESSORS_ONLN 2> /dev/null || echo 1)
+    printf '%s\n' "$@" | xargs -P "$jobs" -I '{}' sh -c \
+        'name=$2/${1##*/}; "$1" > "$name.out" 2>&1; echo $? > "$name.code"' run '{}' "$scratch"
+}
+
+run_one() { # test: what it prints, and its exit code
+    if [ "$kind" = scripts ]; then
+        sh "$1"
+        return $?
+    fi
+    cat "$scratch/${1##*/}.out"
+    return "$(cat "$scratch/${1##*/}.code" 2> /dev/null || echo 99)"
+}
+
+run_each() { # tests
     passed=0
     failed=0
     broken=
+    scratch=$(mktemp -d)
+    trap 'rm -rf "$scratch"' EXIT
+    [ "$kind" = scripts ] || run_together "$@"
     for test in "$@"; do
         echo "== $test"
-        if [ "$kind" = scripts ]; then sh "$test"; else "$test"; fi
+        run_one "$test"
         code=$?
         if [ $code = 0 ]; then
             passed=$((passed + 1))
