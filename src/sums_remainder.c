@@ -29,9 +29,10 @@
  * from every c (Y takes it up).
  *
  * The sup over s is taken interval by interval, [s, t] with t = STEP s: powers of s at t, exponentials of A at s (at t
- * where a node is below c0), H at t with cells at u and exact groups as they are, and V of the binned sums at s, which is not below that of the samples
- * (exp is convex). Once every cell has s (l - c0) >= FAR, (h s)^q exp(-2 s (l - c0)) falls with s, and one last
- * interval reaches to infinity: its H is that of the smallest c, c0, which is an exact group. SLACK covers rounding.
+ * where a node is below c0), H at t with cells at u and exact groups as they are, and V of the binned sums at s, which
+ * is not below that of the samples (exp is convex). Once every cell has s (l - c0) >= FAR, (h s)^q exp(-2 s (l - c0))
+ * falls with s, and one last interval reaches to infinity: its H is that of the smallest c, c0, which is an exact group.
+ * SLACK covers rounding.
  */
 #include <math.h>
 
