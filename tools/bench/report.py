@@ -140,7 +140,9 @@ class Bench:
                 continue
             try:
                 text = p.run([program, *arguments])
-                self.extra[title] = p.table(kept.read_text(encoding="utf-8") if name == "bench_table" else text)
+                rows = p.table(kept.read_text(encoding="utf-8") if name == "bench_table" else text)
+                # Names without their folders: the report may be published.
+                self.extra[title] = [row | {"file": pathlib.Path(row["file"]).name} if row.get("file") else row for row in rows]
             except Failure as failure:
                 say(f"bench: {title} is left out: {failure}")
 
