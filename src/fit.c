@@ -95,12 +95,22 @@ static brdffit_status check_call(const brdffit_samples *samples, const brdffit_o
     return BRDFFIT_OK;
 }
 
+brdffit_status brdffit_fit_check_total(const struct fit *f, const brdffit_options *options, brdffit_error *error)
+{
+    double total = f->data.total * brdffit_fit_scale(&f->data, options);
+
+    if (f->data.total > 0.0 && !isnormal(total)) {
+        return brdffit_fail_at(error, "the weighted sum of squares is beyond a double: scale values or weights",
+                               BRDFFIT_NONE, BRDFFIT_NONE, total);
+    }
+    return BRDFFIT_OK;
+}
+
 brdffit_status brdffit_fit_open(struct fit *f, const brdffit_samples *samples, const brdffit_options *options,
                                 void *workspace, size_t size, const void *result, brdffit_error *error)
 {
     brdffit_status status = check_call(samples, options, workspace, size, result, error);
     struct arena arena;
-    double total;
 
     if (status != BRDFFIT_OK) {
         return status;
@@ -111,12 +121,7 @@ brdffit_status brdffit_fit_open(struct fit *f, const brdffit_samples *samples, c
     if (status != BRDFFIT_OK) {
         return status;
     }
-    total = f->data.total * brdffit_fit_scale(&f->data, options);
-    if (f->data.total > 0.0 && !isnormal(total)) {
-        return brdffit_fail_at(error, "the weighted sum of squares is beyond a double: scale values or weights",
-                               BRDFFIT_NONE, BRDFFIT_NONE, total);
-    }
-    return BRDFFIT_OK;
+    return brdffit_fit_check_total(f, options, error);
 }
 
 brdffit_status brdffit_fit_finish(struct fit *f, const brdffit_options *options, brdffit_result *result,

@@ -53,6 +53,9 @@ void brdffit_fit_layout(struct fit *fit, struct arena *arena, size_t count, size
 brdffit_status brdffit_fit_open(struct fit *fit, const brdffit_samples *samples, const brdffit_options *options,
                                 void *workspace, size_t size, const void *result, brdffit_error *error);
 
+/* After a reduction: whether its sum of squares is a normal double in the caller's units. */
+brdffit_status brdffit_fit_check_total(const struct fit *fit, const brdffit_options *options, brdffit_error *error);
+
 /* Domain, first partition, engine and rules of a fit that is open. After success the engine is to be finished. */
 brdffit_status brdffit_fit_start(struct fit *fit, const brdffit_options *options, struct engine *engine,
                                  struct search_rules *rules, brdffit_error *error);

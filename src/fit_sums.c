@@ -76,7 +76,6 @@ static brdffit_status open_sums(struct fit *f, const brdffit_sums *sums, const b
 {
     brdffit_status status;
     struct arena arena;
-    double total;
 
     brdffit_arena_init(&arena, workspace, size);
     brdffit_fit_layout(f, &arena, brdffit_sums_rows(sums), sums->channels, o);
@@ -84,12 +83,7 @@ static brdffit_status open_sums(struct fit *f, const brdffit_sums *sums, const b
     if (status != BRDFFIT_OK) {
         return status;
     }
-    total = f->data.total * brdffit_fit_scale(&f->data, o);
-    if (f->data.total > 0.0 && !isnormal(total)) {
-        return brdffit_fail_at(error, "the weighted sum of squares is beyond a double: scale values or weights",
-                               BRDFFIT_NONE, BRDFFIT_NONE, total);
-    }
-    return BRDFFIT_OK;
+    return brdffit_fit_check_total(f, o, error);
 }
 
 brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_options *options, void *workspace,

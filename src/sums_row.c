@@ -137,7 +137,7 @@ static brdffit_status check_totals(const struct brdffit_sums *s, const brdffit_r
     brdffit_status status = BRDFFIT_OK;
     size_t k;
 
-    if (!isfinite(lanes_total(lanes_load(t->seen)))) {
+    if (!isfinite(lanes_total_of(t->seen))) {
         status = find_bad(s, row, error);
     }
     for (k = 0; k < s->channels && status == BRDFFIT_OK; k++) {

@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 
 layer_of() { # file name without directory
     case ${1%.[ch]} in
-    status | tolerance | vector | kernel_* | lanes | lanes_ops | isa | arena | environment) echo 0 ;;
+    status | tolerance | vector | kernel_* | lanes | isa | arena | environment) echo 0 ;;
     kernels | kernels_* | gain | strip | strip_*) echo 1 ;;
     nnls | nnls_* | vertex | vertex_* | heap | axis | certificate | scaling) echo 1 ;;
     family | family_* | geometry | geometry_* | reduce | reduce_* | sums | sums_* | moments | moments_* | residual | residual_* | socp | lp | lp_*)
