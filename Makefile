@@ -88,7 +88,7 @@ BENCH_PROGRAMS := $(call program,$(BENCH))
 # ---- Targets -----------------------------------------------------------------
 
 .PHONY: all libraries programs test-programs demo deps deps-check check check-build check-c check-scripts \
-        check-asan check-python install uninstall clean distclean help FORCE
+        check-asan check-python check-docs docs install uninstall clean distclean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 .SUFFIXES:
@@ -107,6 +107,7 @@ help:
 	@echo 'make check       install what is missing, build, run every test (sanitizers included)'
 	@echo 'make check-asan  C tests and command line under AddressSanitizer and UBSan'
 	@echo 'make deps        only install what is missing (Debian; elsewhere: say what is missing)'
+	@echo 'make docs        the documentation, in $(BUILD)/docs/html'
 	@echo 'make install     to $(prefix) (PREFIX, DESTDIR, bindir, libdir, ... are honoured)'
 	@echo 'make uninstall   remove what install put there'
 	@echo 'make peers       levmar and Ceres, local solvers to compare with (downloads them; GPL)'
@@ -329,7 +330,7 @@ demo:
 
 check: deps
 	@$(MAKE) --no-print-directory check-build
-	@failed=; for part in check-c check-scripts check-asan check-python; do \
+	@failed=; for part in check-c check-scripts check-asan check-python check-docs; do \
 	    $(MAKE) --no-print-directory $$part || failed="$$failed $$part"; \
 	done; \
 	if [ -n "$$failed" ]; then echo "make check: FAILED in$$failed" >&2; exit 1; fi; \
@@ -368,12 +369,38 @@ check-python:
 	@BRDFFIT_BUILD='$(abspath $(BUILD))' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' \
 	    sh tools/setup/run_tests.sh python '$(VENV)' '$(BUILD)' $(PYTESTS)
 
+# Figures and notebook run the library; a warning, a cell that fails or a bound above the truth ends the build.
+DOCS_VENV ?= $(BUILD)/docs_venv
+docs: all
+	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(DOCS_VENV)' docs/requirements.txt
+	@'$(DOCS_VENV)/bin/python' docs/build.py '$(BUILD)'
+
+ifeq ($(ECOS),0)
+check-docs:
+	@echo 'The documentation compares both engines and needs ECOS: not built.'
+else
+check-docs: docs
+endif
+
 clean:
 	rm -rf $(BUILD)/obj $(BUILD)/obj-noecos $(BUILD)/tests $(BUILD)/asan $(BUILD)/ecos0 $(BUILD)/demo
-	rm -rf $(BUILD)/install $(BUILD)/pycache $(BUILD)/pytest_cache
+	rm -rf $(BUILD)/install $(BUILD)/docs $(BUILD)/pycache $(BUILD)/pytest_cache
 	rm -f $(BUILD)/libbrdffit* $(BUILD)/*.pc $(BUILD)/*.flags $(BUILD)/brdffit $(BUILD)/goniometer $(BUILD)/bench_*
 
-distclean:
+dist# Figures and notebook run the library; a warning, a cell that fails or a bound above the truth ends the build.
+DOCS_VENV ?= $(BUILD)/docs_venv
+docs: all
+	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(DOCS_VENV)' docs/requirements.txt
+	@'$(DOCS_VENV)/bin/python' docs/build.py '$(BUILD)'
+
+ifeq ($(ECOS),0)
+check-docs:
+	@echo 'The documentation compares both engines and needs ECOS: not built.'
+else
+check-docs: docs
+endif
+
+clean:
 	rm -rf $(BUILD)
 
 include tools/bench/peers.mk

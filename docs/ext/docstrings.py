@@ -1,0 +1,122 @@
+"""The package's docstrings for Sphinx.
+
+They are written to be read in a terminal: plain sentences, then lines "name: meaning" whose continuations are indented.
+Here such lines become definition lists, indented paragraphs become code, `names` become links, and what reStructuredText
+would misread is escaped. SPDX-License-Identifier: MIT
+"""
+import re
+
+import brdffit
+from sphinx.util.nodes import make_refnode
+
+_NAMES = re.compile(r"^(\w+(?:, \w+)*(?: and everything after it)?): (?=\S)|^(\w+(?:, \w+)*): (?=\S)")
+_LITERAL = re.compile(r"(`+)(.+?)\1", re.S)
+_QUOTED = re.compile(r'^"[\w-]+": ')
+
+
+def _plain(text):
+    """Of the text between literals: stars, bars and trailing underscores are meant."""
+    text = re.sub(r"([*|\\])", r"\\\1", text)
+    return re.sub(r"(?<=\w)_(?=\W|$)", r"\\_", text)
+
+
+def _literal(word):
+    name = word.removeprefix("brdffit.").removesuffix("()")
+    head, _, rest = name.partition(".")
+    if head not in brdffit.__all__ or not re.fullmatch(r"\w*", rest):
+        return "``%s``" % word
+    member = getattr(getattr(brdffit, head), rest, None) if rest else None
+    # Fields of a dataclass have no place of their own: their class lists them.
+    target = name if callable(member) or isinstance(member, property) else head
+    return ":py:obj:`%s <brdffit.%s>`" % (word, target)
+
+
+def inline(text):
+    out, end = [], 0
+    for match in _LITERAL.finditer(text):
+        out += [_plain(text[end:match.start()]), _literal(match.group(2))]
+        end = match.end()
+    return "".join(out) + _plain(text[end:])
+
+
+def _paragraphs(lines):
+    block = []
+    for line in [*lines, ""]:
+        if line.strip():
+            block.append(line.rstrip())
+        elif block:
+            yield block
+            block = []
+
+
+def _definitions(block):
+    """The lines of a block as (names, text lines); None where it is a plain paragraph."""
+    found = []
+    for line in block:
+        match = _NAMES.match(line)
+        if match and not line.startswith(" "):
+            found.append(([name for name in re.split(", ", match.group(1) or match.group(2))], [line[match.end():]]))
+        elif found and line.startswith(" "):
+            found[-1][1].append(line.strip())
+        else:
+            return None
+    return found
+
+
+def _definition(names, text):
+    out = [", ".join("``%s``" % name for name in names), "    " + inline(text[0])]
+    listed = False
+    for line in text[1:]:
+        if _QUOTED.match(line):
+            out += ([] if listed else [""]) + ["    - " + inline(line)]
+            listed = True
+        else:
+            out.append(("      " if listed else "    ") + inline(line))
+    return [*out, ""]
+
+
+def convert(lines, kind):
+    out, titled = [], False
+    for block in _paragraphs(lines):
+        definitions = _definitions(block)
+        if definitions:
+            if not titled:
+                out += [".. rubric:: %s" % ("Attributes" if kind in ("class", "exception") else "Parameters"), ""]
+            titled = True
+            for names, text in definitions:
+                out += _definition(names, text)
+        elif all(line.startswith("    ") for line in block):
+            out += [".. code-block:: python", "", *block, ""]
+        else:
+            out += [*inline("\n".join(line.strip() for line in block)).split("\n"), ""]
+    return out
+
+
+def process(app, what, name, obj, options, lines):
+    lines[:] = convert(lines, what)
+
+
+def signature(app, what, name, obj, options, text, returns):
+    # Nobody makes these by hand: their constructors are long lists of what the attributes say already.
+    if what == "class" and text and len(text) > 500 and not name.endswith("Regressor"):
+        return "", None
+    return text, returns
+
+
+def resolve(app, env, node, contnode):
+    """Annotations name the module that defines a class; the documentation knows the name that users import."""
+    target = node.get("reftarget", "")
+    name = target.rpartition(".")[2]
+    if node.get("refdomain") != "py" or not (target == name or target.startswith("brdffit.")) or name not in brdffit.__all__:
+        return None
+    known = env.domains["py"].objects.get("brdffit." + name)
+    if known is None:
+        return None
+    return make_refnode(app.builder, node["refdoc"], known.docname, known.node_id, contnode)
+
+
+def setup(app):
+    app.connect("autodoc-process-docstring", process)
+    app.connect("autodoc-process-signature", signature)
+    app.connect("missing-reference", resolve)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
