@@ -387,20 +387,7 @@ clean:
 	rm -rf $(BUILD)/install $(BUILD)/docs $(BUILD)/pycache $(BUILD)/pytest_cache
 	rm -f $(BUILD)/libbrdffit* $(BUILD)/*.pc $(BUILD)/*.flags $(BUILD)/brdffit $(BUILD)/goniometer $(BUILD)/bench_*
 
-dist# Figures and notebook run the library; a warning, a cell that fails or a bound above the truth ends the build.
-DOCS_VENV ?= $(BUILD)/docs_venv
-docs: all
-	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(DOCS_VENV)' docs/requirements.txt
-	@'$(DOCS_VENV)/bin/python' docs/build.py '$(BUILD)'
-
-ifeq ($(ECOS),0)
-check-docs:
-	@echo 'The documentation compares both engines and needs ECOS: not built.'
-else
-check-docs: docs
-endif
-
-clean:
+distclean:
 	rm -rf $(BUILD)
 
 include tools/bench/peers.mk
