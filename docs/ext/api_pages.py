@@ -23,7 +23,7 @@ PAGES = (
      ("BrdffitError", "OptionError", "DataError", "FileError", "UnsupportedError", "OutOfMemoryError", "LibraryError",
       "library_path")),
 )
-_MEMBERS = {"class": ["   :members:", "   :show-inheritance:"], "exception": ["   :show-inheritance:"]}
+_MEMBERS = {"class": ["   :members:"], "exception": ["   :show-inheritance:"]}
 
 
 def _kind(thing):

@@ -4,12 +4,15 @@ They are written to be read in a terminal: plain sentences, then lines "name: me
 Here such lines become definition lists, indented paragraphs become code, `names` become links, and what reStructuredText
 would misread is escaped. SPDX-License-Identifier: MIT
 """
+import inspect
 import re
 
 import brdffit
+from sphinx.util.inspect import stringify_signature
 from sphinx.util.nodes import make_refnode
 
-_NAMES = re.compile(r"^(\w+(?:, \w+)*(?: and everything after it)?): (?=\S)|^(\w+(?:, \w+)*): (?=\S)")
+_NAMES = re.compile(r"^(\w+(?:, \w+)*(?: and everything after it)?): ")
+_NEXT = re.compile(r"; (\w+(?:, \w+)*): ")
 _LITERAL = re.compile(r"(`+)(.+?)\1", re.S)
 _QUOTED = re.compile(r'^"[\w-]+": ')
 
@@ -49,22 +52,36 @@ def _paragraphs(lines):
             block = []
 
 
-def _definitions(block):
+def _definitions(block, known):
     """The lines of a block as (names, text lines); None where it is a plain paragraph."""
     found = []
     for line in block:
         match = _NAMES.match(line)
-        if match and not line.startswith(" "):
-            found.append(([name for name in re.split(", ", match.group(1) or match.group(2))], [line[match.end():]]))
+        if match:
+            found.append((match.group(1), [line[match.end():]]))
         elif found and line.startswith(" "):
             found[-1][1].append(line.strip())
         else:
             return None
-    return found
+    return [part for names, lines in found for part in _split(names, lines, known)]
+
+
+def _split(names, lines, known):
+    """One line may define several: "x: diffuse coefficients; y: specular ones"."""
+    out = []
+    if not any(map(_QUOTED.match, lines)):
+        lines = [" ".join(lines)]
+        while True:
+            cut = next((m for m in _NEXT.finditer(lines[0]) if m.group(1).split(", ")[0] in known), None)
+            if cut is None:
+                break
+            out.append((names, [lines[0][:cut.start()]]))
+            names, lines = cut.group(1), [lines[0][cut.end():]]
+    return [*out, (names, lines)]
 
 
 def _definition(names, text):
-    out = [", ".join("``%s``" % name for name in names), "    " + inline(text[0])]
+    out = [", ".join("``%s``" % name for name in names.split(", ")), "    " + inline(text[0])]
     listed = False
     for line in text[1:]:
         if _QUOTED.match(line):
@@ -75,10 +92,20 @@ def _definition(names, text):
     return [*out, ""]
 
 
-def convert(lines, kind):
+def _known(kind, thing):
+    """What a docstring may define: the attributes of a class, the parameters of a function."""
+    if kind in ("class", "exception"):
+        return {*dir(thing), *getattr(thing, "__annotations__", ())}
+    try:
+        return set(inspect.signature(thing).parameters)
+    except (TypeError, ValueError):
+        return set()
+
+
+def convert(lines, kind, known=()):
     out, titled = [], False
     for block in _paragraphs(lines):
-        definitions = _definitions(block)
+        definitions = _definitions(block, known)
         if definitions:
             if not titled:
                 out += [".. rubric:: %s" % ("Attributes" if kind in ("class", "exception") else "Parameters"), ""]
@@ -93,14 +120,27 @@ def convert(lines, kind):
 
 
 def process(app, what, name, obj, options, lines):
-    lines[:] = convert(lines, what)
+    lines[:] = convert(lines, what, _known(what, obj))
 
 
 def signature(app, what, name, obj, options, text, returns):
-    # Nobody makes these by hand: their constructors are long lists of what the attributes say already.
-    if what == "class" and text and len(text) > 500 and not name.endswith("Regressor"):
-        return "", None
-    return text, returns
+    """Annotations as they are written, not what they stand for: ArrayLike alone is a paragraph."""
+    if what not in ("class", "exception", "function", "method") or text is None:
+        return None
+    try:
+        given = inspect.signature(obj)
+    except (TypeError, ValueError):
+        return None
+    parameters = list(given.parameters.values())
+    if what == "class" and len(parameters) > 20:
+        return "", None  # made by the library, never by hand; the attributes say what is in it
+    if parameters and parameters[0].name == "self":
+        parameters = parameters[1:]
+    if what in ("class", "exception"):
+        given = given.replace(return_annotation=inspect.Signature.empty)
+    written = stringify_signature(given.replace(parameters=parameters)).replace("npt.ArrayLike", "ArrayLike")
+    before, arrow, after = written.partition(" -> ")
+    return before, after if arrow else None
 
 
 def resolve(app, env, node, contnode):
