@@ -20,7 +20,7 @@ def environment(build):
     out["BRDFFIT_BUILD"] = str(build)
     out["BRDFFIT_LIBRARY"] = str(build / "libbrdffit.so")
     out["PYTHONPATH"] = str(ROOT / "python" / "src")
-    out["PYTHONPYCACHEPREFIX"] = str(build / "pycache")
+    out["PYTHONDONTWRITEBYTECODE"] = "1"
     out["MATPLOTLIBRC"] = str(ROOT / "docs" / "matplotlibrc")
     out.pop("MPLBACKEND", None)
     out["MPLCONFIGDIR"] = str(build / "docs" / "matplotlib")

@@ -9,7 +9,7 @@ import json
 import brdffit
 import matplotlib
 import numpy as np
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import PolyCollection
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -159,6 +159,7 @@ def levels(samples, folder):
             axis.stairs(np.maximum(bound, floor), edges, baseline=floor, fill=True, color=COLOURS[engine], alpha=0.3)
             axis.stairs(np.maximum(bound, floor), edges, color=COLOURS[engine], linewidth=1, baseline=None)
             axis.loglog(sigma, curve, color="#787878", linewidth=1.4)
+            axis.minorticks_off()
             axis.axhline(fit.e2, color="C2", linewidth=1, linestyle="--")
             many = int(np.sum(boxes.level <= depth))
             after = {0: "first boxes", 99: "the end"}.get(depth, "halved %d times" % depth)
@@ -233,12 +234,15 @@ def shapes(boxes, floor):
     return out
 
 
-def draw_boxes(axis, boxes, floor, norm):
-    order = np.argsort(boxes.level, kind="stable")  # small ones on top
-    faces = PolyCollection(shapes(boxes, floor)[order], array=boxes.level[order].astype(float), norm=norm,
+def draw_boxes(axis, boxes, low, high, norm):
+    """Boxes that reach into the window from `low` to `high`, both a pair."""
+    seen = np.flatnonzero(np.all((boxes.sigma_high > low) & (boxes.sigma_low < high), axis=1))
+    seen = seen[np.argsort(boxes.level[seen], kind="stable")]  # small ones on top
+    faces = PolyCollection(shapes(boxes, 1e-3)[seen], array=boxes.level[seen].astype(float), norm=norm,
                            edgecolors="#ffffff70", linewidths=0.25, rasterized=True)
     axis.add_collection(faces)
-    axis.set(xscale="log", yscale="log", xlabel="σ of the narrower lobe")
+    axis.set(xscale="log", yscale="log", xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="σ of the narrower lobe")
+    axis.minorticks_off()
     axis.grid(False)
     return faces
 
@@ -247,21 +251,17 @@ def pairs(folder, found):
     fit, boxes = found["moment"]
     norm = matplotlib.colors.Normalize(0, boxes.level.max())
     figure, axis = plt.subplots(figsize=(5.2, 4.4))
-    faces = draw_boxes(axis, boxes, 0.004, norm)
+    faces = draw_boxes(axis, boxes, (0.004, 0.004), (6, 6), norm)
     axis.plot(fit.sigma[0], fit.sigma[1], "o", markersize=9, markerfacecolor="none", markeredgecolor="C1", markeredgewidth=2)
-    axis.set(xlim=(0.004, 6), ylim=(0.004, 6), ylabel="σ of the wider lobe")
+    axis.set_ylabel("σ of the wider lobe")
     figure.colorbar(faces, label="times halved").outline.set_visible(False)
     finish(figure, folder, "map")
 
     figure, axes = plt.subplots(1, 2, figsize=(5.2, 3.0), sharey=True)
     spread, norm = 1.22, matplotlib.colors.Normalize(0, found["socp"][1].level.max())
     for axis, engine in zip(axes, ENGINES):
-        faces = draw_boxes(axis, found[engine][1], 0.004, norm)
-        axis.set(xlim=(fit.sigma[0] / spread, fit.sigma[0] * spread), ylim=(fit.sigma[1] / spread, fit.sigma[1] * spread),
-                 title=TITLES[engine].replace(" (", "\n("))
-        axis.title.set_fontsize(9)
-        axis.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
-        axis.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+        draw_boxes(axis, found[engine][1], fit.sigma / spread, fit.sigma * spread, norm)
+        axis.set_title(TITLES[engine].replace(" (", "\n("), fontsize=9)
         axis.set_xticks([0.1, 0.12, 0.14], ["0.10", "0.12", "0.14"])
     axes[0].set_yticks([0.4, 0.45, 0.5], ["0.40", "0.45", "0.50"])
     axes[0].set_ylabel("σ of the wider lobe")
