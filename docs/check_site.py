@@ -5,7 +5,7 @@ import pathlib
 import sys
 import urllib.parse
 
-import brdffit
+from ext import api_pages
 
 # Attributes by which a page makes the browser fetch something.
 _FETCHED = {"img": "src", "script": "src", "link": "href", "iframe": "src", "source": "src", "object": "data"}
@@ -64,8 +64,7 @@ def problems(folder, sources):
             if wrong:
                 yield "%s: %s: %s" % (here, link, wrong)
     names = set().union(*(page.names for page in pages.values()))
-    yield from ("brdffit.%s is in no page of the reference" % name for name in brdffit.__all__
-                if name != "__version__" and "brdffit." + name not in names)
+    yield from ("%s is in no page of the reference" % name for name in api_pages.exported() if name not in names)
     # The tutorial was run: its figures are there.
     tutorial = pages.get((folder / "tutorial.html").resolve())
     if tutorial is None or tutorial.images < 4:

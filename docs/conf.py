@@ -38,9 +38,6 @@ pygments_dark_style = "monokai"
 nitpicky = True
 nitpick_ignore_regex = [
     (r"py:.*", r"(npt|np|numpy|sklearn|typing|typing_extensions|collections|ctypes|os|pathlib)\..*"),
-    # Aliases of the package; python.md says what they stand for.
-    (r"py:class", r"(ArrayLike|Floats|SamplesLike|Path|DirectionsLike|Features|FitOptions|MapProgressArgument|ProgressArgument"
-                  r"|Any|Callable|Iterable|Mapping|Self|Sequence|Unpack)"),
     (r"c:identifier", r"(size_t|ptrdiff_t)"),
 ]
 autodoc_member_order = "bysource"

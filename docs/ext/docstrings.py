@@ -6,12 +6,15 @@ would misread is escaped. SPDX-License-Identifier: MIT
 """
 import inspect
 import re
+import sys
+import typing
 
 import brdffit
 from sphinx.util.inspect import stringify_signature
 from sphinx.util.nodes import make_refnode
 
-_NAMES = re.compile(r"^(\w+(?:, \w+)*(?: and everything after it)?): ")
+_NAME = r"\w+(?: \([^()]*\))?"
+_NAMES = re.compile(r"^(%s(?:(?:,| and) %s)*(?: after it)?): " % (_NAME, _NAME))
 _NEXT = re.compile(r"; (\w+(?:, \w+)*): ")
 _LITERAL = re.compile(r"(`+)(.+?)\1", re.S)
 _QUOTED = re.compile(r'^"[\w-]+": ')
@@ -81,7 +84,8 @@ def _split(names, lines, known):
 
 
 def _definition(names, text):
-    out = [", ".join("``%s``" % name for name in names.split(", ")), "    " + inline(text[0])]
+    plain = re.fullmatch(r"\w+(?:, \w+)*", names)
+    out = [", ".join("``%s``" % name for name in names.split(", ")) if plain else inline(names), "    " + inline(text[0])]
     listed = False
     for line in text[1:]:
         if _QUOTED.match(line):
@@ -93,23 +97,20 @@ def _definition(names, text):
 
 
 def _known(kind, thing):
-    """What a docstring may define: the attributes of a class, the parameters of a function."""
+    """What a docstring may define: the attributes of a class, the parameters of a function; None: nothing."""
     if kind in ("class", "exception"):
         return {*dir(thing), *getattr(thing, "__annotations__", ())}
-    try:
-        return set(inspect.signature(thing).parameters)
-    except (TypeError, ValueError):
-        return set()
+    return set(inspect.signature(thing).parameters) if callable(thing) else None
 
 
-def convert(lines, kind, known=()):
+def convert(lines, kind, known):
     out, titled = [], False
     for block in _paragraphs(lines):
-        definitions = _definitions(block, known)
+        definitions = None if known is None else _definitions(block, known)
         if definitions:
-            if not titled:
+            if not titled and any(name in known for names, _ in definitions for name in re.findall(r"\w+", names)):
                 out += [".. rubric:: %s" % ("Attributes" if kind in ("class", "exception") else "Parameters"), ""]
-            titled = True
+                titled = True
             for names, text in definitions:
                 out += _definition(names, text)
         elif all(line.startswith("    ") for line in block):
@@ -132,7 +133,8 @@ def signature(app, what, name, obj, options, text, returns):
     except (TypeError, ValueError):
         return None
     parameters = list(given.parameters.values())
-    if what == "class" and len(parameters) > 20:
+    needed = sum(p.default is p.empty for p in parameters)
+    if what == "class" and (len(parameters) > 20 or needed > 6):
         return "", None  # made by the library, never by hand; the attributes say what is in it
     if parameters and parameters[0].name == "self":
         parameters = parameters[1:]
@@ -143,16 +145,26 @@ def signature(app, what, name, obj, options, text, returns):
     return before, after if arrow else None
 
 
+def _internal(name):
+    """Whether some module of the package knows this name: an alias of a type, or a class that users never name."""
+    modules = [module for path, module in list(sys.modules.items()) if path.split(".")[0] == "brdffit"]
+    return name == "ArrayLike" or any(hasattr(module, name) for module in modules) or hasattr(typing, name)
+
+
 def resolve(app, env, node, contnode):
-    """Annotations name the module that defines a class; the documentation knows the name that users import."""
+    """Annotations name what they were written with: a public class under the name that users import becomes a link, and an
+    alias stays text (python.md says what they stand for). What nobody knows is a warning."""
     target = node.get("reftarget", "")
     name = target.rpartition(".")[2]
-    if node.get("refdomain") != "py" or not (target == name or target.startswith("brdffit.")) or name not in brdffit.__all__:
+    if node.get("refdomain") != "py" or not (target == name or target.startswith("brdffit.")):
         return None
-    known = env.domains["py"].objects.get("brdffit." + name)
-    if known is None:
-        return None
-    return make_refnode(app.builder, node["refdoc"], known.docname, known.node_id, contnode)
+    objects = env.domains["py"].objects
+    known = objects.get("brdffit." + name) or next((objects[path] for path in sorted(objects) if path.startswith("brdffit.")
+                                                    and path.count(".") == 2 and path.endswith("." + name)
+                                                    and objects[path].objtype in ("class", "exception")), None)
+    if known:
+        return make_refnode(app.builder, node["refdoc"], known.docname, known.node_id, contnode)
+    return contnode if node.get("reftype") == "class" and _internal(name) else None
 
 
 def setup(app):
