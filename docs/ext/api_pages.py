@@ -76,10 +76,12 @@ def write(folder):
 
 
 def _exports(name):
-    """Public names of a module of the package that are not also the package's; none when there is no such module."""
+    """Public classes and functions of a module of the package that are not also the package's; none when there is no such
+    module."""
     if importlib.util.find_spec("brdffit." + name) is None:
         return []
-    return [n for n in importlib.import_module("brdffit." + name).__all__ if n not in brdffit.__all__ and n != "main"]
+    module = importlib.import_module("brdffit." + name)
+    return [n for n in module.__all__ if n not in brdffit.__all__ and n != "main" and _kind(getattr(module, n)) != "data"]
 
 
 def exported():

@@ -108,8 +108,10 @@ def convert(lines, kind, known):
     for block in _paragraphs(lines):
         definitions = None if known is None else _definitions(block, known)
         if definitions:
-            if not titled and any(name in known for names, _ in definitions for name in re.findall(r"\w+", names)):
-                out += [".. rubric:: %s" % ("Attributes" if kind in ("class", "exception") else "Parameters"), ""]
+            title = "Attributes" if kind in ("class", "exception") else "Parameters" if any(
+                name in known for names, _ in definitions for name in re.findall(r"\w+", names)) else None
+            if title and not titled:
+                out += [".. rubric:: " + title, ""]
                 titled = True
             for names, text in definitions:
                 out += _definition(names, text)
