@@ -328,6 +328,19 @@ demo:
 	@$(MAKE) --no-print-directory all
 	@sh tools/setup/demo.sh '$(BUILD)'
 
+# Figures and notebook run the library; a warning, a cell that fails or a bound above the truth ends the build.
+DOCS_VENV ?= $(BUILD)/docs_venv
+docs: all
+	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(DOCS_VENV)' docs/requirements.txt
+	@'$(DOCS_VENV)/bin/python' docs/build.py '$(BUILD)'
+
+ifeq ($(ECOS),0)
+check-docs:
+	@echo 'The documentation compares both engines and needs ECOS: not built.'
+else
+check-docs: docs
+endif
+
 check: deps
 	@$(MAKE) --no-print-directory check-build
 	@failed=; for part in check-c check-scripts check-asan check-python check-docs; do \
@@ -369,23 +382,11 @@ check-python:
 	@BRDFFIT_BUILD='$(abspath $(BUILD))' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' \
 	    sh tools/setup/run_tests.sh python '$(VENV)' '$(BUILD)' $(PYTESTS)
 
-# Figures and notebook run the library; a warning, a cell that fails or a bound above the truth ends the build.
-DOCS_VENV ?= $(BUILD)/docs_venv
-docs: all
-	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(DOCS_VENV)' docs/requirements.txt
-	@'$(DOCS_VENV)/bin/python' docs/build.py '$(BUILD)'
-
-ifeq ($(ECOS),0)
-check-docs:
-	@echo 'The documentation compares both engines and needs ECOS: not built.'
-else
-check-docs: docs
-endif
-
 clean:
 	rm -rf $(BUILD)/obj $(BUILD)/obj-noecos $(BUILD)/tests $(BUILD)/asan $(BUILD)/ecos0 $(BUILD)/demo
-	rm -rf $(BUILD)/install $(BUILD)/docs $(BUILD)/pycache $(BUILD)/pytest_cache
+	rm -rf $(BUILD)/install $(BUILD)/pycache $(BUILD)/pytest_cache
 	rm -f $(BUILD)/libbrdffit* $(BUILD)/*.pc $(BUILD)/*.flags $(BUILD)/brdffit $(BUILD)/goniometer $(BUILD)/bench_*
+	rm -rf $(BUILD)/docs
 
 distclean:
 	rm -rf $(BUILD)
