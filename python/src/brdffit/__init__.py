@@ -19,14 +19,18 @@ from .many import fit_many
 from .merl import MerlTable, load_merl
 from .options import Options
 from .progress import Progress
+from .readers.lp import LightPositions, load_lp
+from .readers.rgl import RGLMaterial, load_rgl
+from .readers.stack import Stack, load_stack
 from .samples import Samples, protocol84
 
 if TYPE_CHECKING:
     from .regressor import BRDFRegressor
 
-__all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "DataError", "FileError", "Fit", "LibraryError", "MerlTable", "Options",
-           "OptionError", "OutOfMemoryError", "Progress", "Samples", "UnsupportedError", "__version__", "fit",
-           "fit_boxes", "fit_many", "library_path", "load_merl", "protocol84"]
+__all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "DataError", "FileError", "Fit", "LibraryError", "LightPositions",
+           "MerlTable", "Options", "OptionError", "OutOfMemoryError", "Progress", "RGLMaterial", "Samples", "Stack",
+           "UnsupportedError", "__version__", "fit", "fit_boxes", "fit_many", "library_path", "load_lp", "load_merl", "load_rgl",
+           "load_stack", "protocol84"]
 
 
 def library_path() -> str:

@@ -32,7 +32,8 @@ class Mix(NamedTuple):
         """table[slice, *index], mixed: n, or n x K when the table has a dimension more."""
         total: Floats | None = None
         for slices, weight in zip(self.slices.T, self.weights.T):
-            values = table[(slices, *index)]
+            place = (slices, *index)
+            values = table[place]
             part = weight.reshape(-1, *[1] * (values.ndim - 1)) * values
             total = part if total is None else total + part
         assert total is not None

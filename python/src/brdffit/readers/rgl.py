@@ -79,8 +79,8 @@ class RGLMaterial:
         return self._each(light, view, lambda l, v: self._fr(l, v, channels)[0], clip)
 
     def measured(self, light: npt.ArrayLike, view: npt.ArrayLike) -> Mask:
-        """Whether everything that `eval` interpolates at these directions was measured."""
-        return np.asarray(self._each(light, view, lambda l, v: self._fr(l, v, ())[1][:, None], False)[..., 0] > 0)
+        """Whether everything that `eval` interpolates at these directions (... x 3) was measured; not below the horizon."""
+        return np.asarray(~np.isnan(self.lookup(light, view, channels=[0])[..., 0]))
 
     def lookup(self, light: npt.ArrayLike, view: npt.ArrayLike, *, clip: bool = True, channels: Channels = None) -> Floats:
         """`eval`, but NaN below the horizon and where nothing was measured, as MerlTable.lookup."""
