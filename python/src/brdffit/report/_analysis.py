@@ -14,6 +14,7 @@ from ..boxes import Boxes, fit_boxes
 from ..fit import Fit
 from ..merl import MerlTable, load_merl
 from ..options import Options
+from ..readers.rgl import RGLMaterial, load_rgl
 from ..samples import Samples
 
 # Exact curves evaluate every sample at every roughness: above this, the certified bound alone is drawn.
@@ -27,7 +28,7 @@ class Material:
 
     name: str
     samples: Samples
-    table: MerlTable | None
+    table: MerlTable | RGLMaterial | None
     options: Options
     fits: dict[int, Fit]
     boxes: dict[int, Boxes]
@@ -38,9 +39,11 @@ class Material:
 
 
 def measure(name: str, samples: Samples, options: dict[str, Any], lobes: int) -> Material:
-    table = None
+    table: MerlTable | RGLMaterial | None = None
     if samples.format == "merl" and samples.file is not None:
         table = load_merl(samples.file, bins=samples.merl_bins or "edge")
+    elif samples.format == "rgl" and samples.file is not None:
+        table = load_rgl(samples.file)
     fits, boxes = {}, {}
     for count in sorted({1, lobes}):
         fits[count], boxes[count] = fit_boxes(samples, **{**options, "lobes": count})

@@ -37,7 +37,7 @@ def render(material: Material) -> list[tuple[str, str]]:
         return out
     light, view = _local(normal, LIGHT), _local(normal, VIEW)
     with np.errstate(invalid="ignore"):
-        measured = material.table.lookup(light, view) * cosine
+        measured = material.table.lookup(light, view)[:, chosen] * cosine
     known = ~np.isnan(measured).any(1) | (cosine[:, 0] <= 0)
     measured = np.where(np.isnan(measured), 0, measured)
     difference = np.where(known[:, None], fitted - measured, 0)
