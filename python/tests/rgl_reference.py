@@ -17,11 +17,12 @@ import rgl_files
 COUNT = 60
 
 
-def values(mi, path, light, view, waves):
-    """Mitsuba calls wi what the file does."""
+def values(mi, kind, path, light, view):
+    """f_r cos(theta_o), at four of the five wavelengths of a spectral file. Mitsuba's wi is the file's."""
+    mi.set_variant("scalar_spectral" if kind == "spectra" else "scalar_rgb")
     bsdf, context, at = mi.load_dict({"type": "measured", "filename": str(path)}), mi.BSDFContext(), mi.SurfaceInteraction3f()
-    if waves is not None:
-        at.wavelengths = waves
+    if kind == "spectra":
+        at.wavelengths = [400.0, 450.0, 530.0, 700.0]
     out = []
     for l, v in zip(light, view):
         at.wi = mi.Vector3f(*map(float, l))
@@ -36,13 +37,10 @@ def main():
     print("# f_r cos(theta_o) by mitsuba %s: written by rgl_reference.py" % mi.__version__)
     print("kind,pair,v0,v1,v2,v3")
     for kind in rgl_files.KINDS:
-        mi.set_variant("scalar_spectral" if kind == "spectra" else "scalar_rgb")
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "made_up.bsdf"
             path.write_bytes(rgl_files.tensor_bytes(rgl_files.material(kind)))
-            # Four wavelengths of the five.
-            waves = [400.0, 450.0, 530.0, 700.0] if kind == "spectra" else None
-            for pair, row in enumerate(values(mi, path, light, view, waves)):
+            for pair, row in enumerate(values(mi, kind, path, light, view)):
                 print(",".join([kind, str(pair), *("%.9g" % value for value in row), *([""] if len(row) == 3 else [])]))
 
 
