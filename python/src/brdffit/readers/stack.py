@@ -84,9 +84,9 @@ class LazyArray:
 
 
 def _integer(index: Any) -> int:
-    if isinstance(index, (bool, np.bool_)) or not hasattr(index, "__index__"):
+    if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
         raise IndexError("a stack is indexed with numbers, slices and ..., not %s" % type(index).__name__)
-    return int(index.__index__())
+    return int(index)
 
 
 Values = Union[LazyArray, npt.NDArray[Any]]
