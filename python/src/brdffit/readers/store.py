@@ -15,8 +15,9 @@ Attributes of `values`, or else of its group: "quantity" ("brdf" or "radiance") 
 """
 from __future__ import annotations
 
+import contextlib
 import os
-from typing import Any, Sequence
+from typing import Any, Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -105,6 +106,16 @@ class Store:
     def _wrong(self, message: str) -> DataError:
         return DataError(message, code="format", path=self.file)
 
+    @contextlib.contextmanager
+    def _reading(self, what: str) -> Iterator[None]:
+        """What h5py and zarr raise differs with the fault and the version: here it becomes one error."""
+        try:
+            yield
+        except BrdffitError:
+            raise
+        except Exception as error:
+            raise self._wrong("%s cannot be read (%s)" % (what, error)) from error
+
     def _called(self, name: str) -> list[str]:
         called = self._names.get(name, name)
         if not isinstance(called, str) and name != "values":
@@ -113,24 +124,21 @@ class Store:
 
     def _has(self, name: str) -> bool:
         """Whether it is there, or was asked for by name."""
-        return name in self._names or self._called(name)[0] in self._group
+        with self._reading("data set %r" % name):
+            return name in self._names or self._called(name)[0] in self._group
 
     def _dataset(self, called: str) -> Any:
-        try:
+        with self._reading("data set %r" % called):
+            if called not in self._group:
+                raise self._wrong("there is no data set %r; there are %s" % (called, self._listing()))
             found = self._group[called]
             if hasattr(found, "shape") and np.dtype(found.dtype).kind in "fiub":
                 return found
-        except KeyError as error:
-            raise self._wrong("there is no data set %r; there are %s" % (called, ", ".join(self._listing()) or "none")) from error
-        except Exception as error:
-            raise self._wrong("data set %r cannot be read (%s)" % (called, error)) from error
         raise self._wrong("%r is not a data set of numbers" % called)
 
-    def _listing(self) -> list[str]:
-        try:
-            return sorted(str(name) for name in self._group.keys())
-        except Exception:
-            return []
+    def _listing(self) -> str:
+        with self._reading("the list of data sets"):
+            return ", ".join(sorted(str(name) for name in self._group.keys())) or "none"
 
     def _array(self, name: str, *shapes: tuple[int, ...]) -> Floats:
         """All of a small data set."""
@@ -142,10 +150,8 @@ class Store:
         return self._all(found, called)
 
     def _all(self, found: Any, called: str) -> Floats:
-        try:
+        with self._reading("data set %r" % called):
             return np.asarray(found[...], np.float64)
-        except Exception as error:
-            raise self._wrong("data set %r cannot be read (%s)" % (called, error)) from error
 
     # ---- Directions
 
@@ -167,7 +173,7 @@ class Store:
     def _angle(self, name: str, count: int) -> Floats:
         angle = self._array(name, (count,))
         called, = self._called(name)
-        units = _text(self._group[called].attrs.get("units", "degrees"))
+        units = _text(self._attribute("units", self._dataset(called)) or "degrees")
         return angle if units.lower().startswith("rad") else np.radians(angle)
 
     # ---- Values
@@ -184,17 +190,13 @@ class Store:
                 raise self._wrong("data set %r is empty" % name)
         return called, found
 
-    def _attribute(self, found: Any, name: str) -> Any:
-        for holder in (found, self._group):
-            try:
-                if name in holder.attrs:
-                    return holder.attrs[name]
-            except Exception as error:
-                raise self._wrong("attribute %r cannot be read (%s)" % (name, error)) from error
-        return None
+    def _attribute(self, name: str, *holders: Any) -> Any:
+        """Of the first of them that has it, or None."""
+        with self._reading("attribute %r" % name):
+            return next((holder.attrs[name] for holder in holders if name in holder.attrs), None)
 
     def _quantity(self, asked: str | None, found: Any, default: str) -> str:
-        said = self._attribute(found, "quantity")
+        said = self._attribute("quantity", found, self._group)
         chosen = asked if asked is not None else default if said is None else _text(said)
         if chosen not in ("brdf", "radiance"):
             if asked is not None:
@@ -203,7 +205,7 @@ class Store:
         return chosen
 
     def _channels(self, called: list[str], found: Any, count: int) -> tuple[str, ...]:
-        said = self._attribute(found, "channels")
+        said = self._attribute("channels", found, self._group)
         if said is not None and len(called) == 1:
             names = tuple(_text(one) for one in (_text(said).split(",") if isinstance(said, (str, bytes)) else said))
             if len(names) != count:
@@ -231,7 +233,7 @@ class Store:
             for name, angle in (("light", "theta_i"), ("view", "theta_o")):
                 if data[name] is None:
                     raise self._wrong("there is neither %r nor %r; there are %s" % (
-                        self._called(name)[0], self._called(angle)[0], ", ".join(self._listing())))
+                        self._called(name)[0], self._called(angle)[0], self._listing()))
                 data[name] = np.broadcast_to(data[name], (count, 3))
             if self._has("normal"):
                 data["normal"] = np.broadcast_to(self._array("normal", (count, 3), (3,)), (count, 3))
@@ -265,7 +267,7 @@ class Store:
         towards = self._directions(shape[0], "light", "i") if light is None else np.asarray(light)
         if towards is None:
             raise self._wrong("there is neither %r nor %r: give light=; there are %s" % (
-                self._called("light")[0], self._called("theta_i")[0], ", ".join(self._listing())))
+                self._called("light")[0], self._called("theta_i")[0], self._listing()))
         from_where = self._directions(shape[0], "view", "o") if view is None else np.asarray(view)
         pixels = (shape[1], shape[2])
         return Stack(StoreArray(self.file, self.kind, self.group, called, chosen, found), towards,
