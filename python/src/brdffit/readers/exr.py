@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import BrdffitError, DataError, FileError, OptionError, UnsupportedError
+from ..errors import BrdffitError, DataError, FileError, OptionError, OutOfMemoryError, UnsupportedError
 from ..samples import Path
 from ._extra import need
 from .lp import load_lp
@@ -41,7 +41,12 @@ class ExrArray(LazyArray):
     def _read(self, part: Part) -> npt.NDArray[Any]:
         samples, rows, columns, which = part
         names = self.channels[which]
-        out = np.empty(tuple(one.stop - one.start for one in part), np.float32)
+        shape = tuple(one.stop - one.start for one in part)
+        try:
+            out = np.empty(shape, np.float32)
+        except MemoryError as error:
+            raise OutOfMemoryError("no memory for %s values of these images" % " x ".join(map(str, shape)), code="memory",
+                                   path=self.files[samples.start]) from error
         for at, file in enumerate(self.files[samples]):
             try:
                 _read_rows(file, self._header, names, rows, columns, out[at])

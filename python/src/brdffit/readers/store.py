@@ -12,6 +12,8 @@ Data sets, in a group of the file, by these names or by others that the caller g
     cos_light, cos_view, tan2_half, cos_difference, or a, b, c: N, instead of directions (samples)
 
 Attributes of `values`, or else of its group: "quantity" ("brdf" or "radiance") and "channels" (names).
+
+Known limit: flipped bits in an HDF5 file can crash or hang inside of libhdf5, where nothing here can catch it.
 """
 from __future__ import annotations
 
