@@ -205,8 +205,7 @@ def fit_map(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike | 
     Raises `OptionError` and `DataError` for arguments, shapes and directions that cannot be used, `UnsupportedError` for
     what needs ECOS in a build without. An exception in `progress`, or Ctrl-C, ends the call within a tile.
     """
-    asked = Options(**options)
-    asked._struct()  # wrong options fail here
+    asked = Options(**options)._plain()  # wrong options fail here
     choose("errors", errors, ("status", "raise"))
     stack = Stack(values, sample_axis, channel_axis)
     given = geometry(light, view, normal, weights, quantity, stack.samples, stack.spatial)
