@@ -85,6 +85,14 @@ class Options:
     def replace(self, **changes: object) -> Self:
         return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
 
+    def _plain(self) -> Self:
+        """The same in Python's own numbers, whatever kind (0-d arrays, numpy's scalars) they were given as."""
+        c = self._struct()
+        return self.replace(
+            lobes=int(c.lobes), sigma_range=(c.sigma_min, c.sigma_max), exponent_range=(c.exponent_min, c.exponent_max),
+            relative_gap=c.relative_gap, absolute_gap=c.absolute_gap, sigma_resolution=c.sigma_resolution,
+            box_budget=int(c.box_budget), max_incidence=c.max_incidence, socp_every_box=bool(c.socp_every_box))
+
     def _struct(self) -> structs.Options:
         out = library().options()
         out.lobes = _integer("lobes", self.lobes, 2**31)
