@@ -10,7 +10,7 @@ import pytest
 
 import brdffit
 from brdffit.readers import exr
-from brdffit.readers.stack import LazyArray
+from brdffit.readers.stack import LazyArray, Stack
 
 LIGHTS = np.array([[0.0, 0, 1], [-0.6, 0, 0.8], [0.5, 0.5, 0.7071]])
 
@@ -305,6 +305,81 @@ def test_texels_are_fitted(tmp_path):
     for name, row in zip(names, radiance):
         write_exr(tmp_path / name, {c: np.full((2, 3), row[k]) for k, c in enumerate("RGB")})
     text = "%d\n" % len(light) + "".join("%s %r %r %r\n" % (n, *map(float, d * 5)) for n, d in zip(names, light))
-    fit = brdffit.fit(brdffit.load_stack(write_lp(tmp_path, text)).texel(1, 2), lobes=1, max_incidence=90)
+    stack = brdffit.load_stack(write_lp(tmp_path, text))
+    fit = brdffit.fit(stack.texel(1, 2), lobes=1, max_incidence=90)
     assert fit.certified and fit.sigma == pytest.approx(truth.sigma, rel=1e-4)
     assert exr.read_header(str(tmp_path / names[0])).size == (2, 3)
+    maps = stack.fit_map(lobes=1, max_incidence=90)
+    assert maps.shape == (2, 3) and maps.certified.all() and np.allclose(maps.sigma, truth.sigma, rtol=1e-4)
+
+
+# ---- Maps ---------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def texels():
+    """20 x 6 texels of different metals under 40 lights, with normals, a mask, and one value that is not finite."""
+    rng = np.random.default_rng(6)
+    light, _ = brdffit.protocol84()
+    light = light[light[:, 2] > 0.5][:40]
+    base = brdffit.fit(brdffit.Samples.example(), lobes=1).predict(light, [0, 0, 1], quantity="radiance")
+    values = base[:, None, None] * rng.uniform(0.5, 1.5, (len(light), 20, 6, 1))
+    values[3, 17, 2, 1] = np.nan
+    normal = np.concatenate([rng.uniform(-0.2, 0.2, (20, 6, 2)), np.ones((20, 6, 1))], -1)
+    return values.astype(np.float32), light, rng.integers(0, 4, (20, 6)) > 0, normal
+
+
+ARRAYS = ("sigma", "x", "y", "channel_scale", "e2", "lower_bound", "sum_of_squares", "status", "stop", "where", "boxes")
+
+
+@pytest.mark.parametrize("turned", [False, True], ids=["", "normals"])
+def test_bands_are_the_whole(texels, turned):
+    values, light, mask, normal = texels
+    normal = normal if turned else None
+    stack = Stack(Known(values), light, np.array([0.0, 0, 1]), ("r", "g", "b"), mask=mask, normal=normal)
+    want = brdffit.fit_map(values, light, mask=mask, normal=normal, quantity="radiance", lobes=1)
+    assert {"certified", "masked", "bad_value"} == {name for name, n in want.counts.items() if n}
+    for rows in (1, 7, 20, None):
+        moments = []
+        got = stack.fit_map(lobes=1, rows=rows, progress=lambda moment: moments.append(moment))
+        for name in ARRAYS:
+            assert np.array_equal(getattr(got, name), getattr(want, name), equal_nan=name not in ("status", "stop")), name
+        assert got.samples_skipped == want.samples_skipped and got.quantity == "radiance" and got.options == want.options
+        assert {k: got.stats[k] for k in want.counts} == want.counts and got.stats["texels"] == 120 == moments[-1].total
+        done = [moment.done for moment in moments]
+        assert done == sorted(done) and done[-1] == 120
+        with pytest.raises(ValueError):
+            got.e2[0, 0] = 1
+
+
+def test_bands_stop_and_fail(texels):
+    values, light, mask, _ = texels
+    read = []
+
+    class Watched(Known):
+        def _read(self, part):
+            read.append(part[1].start)
+            if part[1].start == 16:
+                raise brdffit.DataError("broken", code="read", path="img")
+            return super()._read(part)
+
+    stack = Stack(Watched(values), light, np.array([0.0, 0, 1]), ("r", "g", "b"), file="stack")
+    got = stack.fit_map(lobes=1, rows=4, progress=lambda moment: moment.done >= 30)
+    assert read == [0, 4, 8] and (got.status[8:] == got.STATUS.index("not_reached")).all() and got.fitted[:4].all()
+    assert np.isnan(got.e2[8:]).all() and got.counts["not_reached"] == got.stats["not_reached"] >= 72
+    with pytest.raises(brdffit.DataError, match="img: broken"):
+        stack.fit_map(lobes=1, rows=4)
+    with pytest.raises(brdffit.BrdffitError) as caught:
+        Stack(values, light, np.array([0.0, 0, 1]), ("r", "g", "b"), file="stack").fit_map(lobes=1, rows=4, errors="raise")
+    assert caught.value.texel == (17, 2) and caught.value.sample == 3 and "stack" in str(caught.value)
+    for wrong in (0, -1, 1.5, True):
+        with pytest.raises(brdffit.OptionError, match="rows must be a whole number"):
+            stack.fit_map(rows=wrong)
+
+
+def test_dask_takes_lazy_values(scene):
+    array = pytest.importorskip("dask.array")
+    path, values = scene
+    stack = brdffit.load_stack(path)
+    lazy = array.from_array(stack.values, chunks=(3, 16, 30, 3))
+    assert np.array_equal(lazy[:, 5:33].compute(scheduler="threads"), values[:, 5:33])

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from typing import Any, Mapping, Sequence, Union
+from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +11,10 @@ import numpy.typing as npt
 from .._arrays import Floats, freeze, vectors
 from ..errors import DataError, OptionError
 from ..samples import Path, Samples, choose
+
+if TYPE_CHECKING:
+    from .._pool import MapProgressArgument
+    from ..maps import FitMap
 
 Part = tuple[slice, slice, slice, slice]
 Names = Mapping[str, Union[str, Sequence[str]]]
@@ -21,6 +25,7 @@ class LazyArray:
     asked for, as float32 or float64; `numpy.asarray` reads all. A base: `_read` knows the format."""
 
     ndim = 4
+    rows_together = 32  # rows of an image that are stored as one block, or close to it
 
     def __init__(self, shape: tuple[int, int, int, int], dtype: npt.DTypeLike) -> None:
         self.shape = shape
@@ -147,6 +152,14 @@ class Stack:
         normal = None if self.normal is None else self.normal[row, column]
         return Samples.from_arrays(self.light, self.view, np.asarray(self.values[:, row, column]), normal=normal,
                                    channels=self.channels, quantity=self.quantity)
+
+    def fit_map(self, *, rows: int | None = None, progress: MapProgressArgument = None, **options: Any) -> FitMap:
+        """Every texel fitted: `brdffit.fit_map` with this stack's values, directions, normal, mask and quantity, with the
+        same bits, a band of `rows` rows at a time, of which two are in memory (None: as many as 128 MB hold). options: the
+        others of fit_map."""
+        from .bands import fit_bands
+
+        return fit_bands(self, rows, progress, options)
 
 
 def load_stack(path: Path, *, light: npt.ArrayLike | Path | None = None, view: npt.ArrayLike | None = None,

@@ -68,6 +68,7 @@ class StoreArray(LazyArray):
         self.file, self.names = file, tuple(names)
         self._kind, self._group, self._channels, self._count = kind, group, tuple(channels), count
         self._open: list[Any] | None = list(datasets)
+        self.rows_together = (getattr(datasets[0], "chunks", None) or (1, 1))[1]
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_open": None}
