@@ -27,6 +27,9 @@ datarootdir ?= $(prefix)/share
 mandir ?= $(datarootdir)/man
 pkgconfigdir ?= $(libdir)/pkgconfig
 
+# make check installs Chromium where it may, for the test of report pages; 0: it does not (some 100 MB to download).
+BROWSER ?= 1
+
 # Tests read development data from here and skip what is absent.
 BRDFFIT_DATA ?= ../shared/data
 
@@ -119,6 +122,7 @@ help:
 	@echo
 	@echo 'ECOS=0           a library without the GPL solver ECOS (engine socp is then unsupported)'
 	@echo 'ECOS_DIR=path    an unpacked source tree of ECOS instead of the download'
+	@echo 'BROWSER=0        make check does not install Chromium; its one test is skipped where there is none'
 	@echo 'BUILD=dir CC= CFLAGS= CPPFLAGS= LDFLAGS= WERROR=1 V=1'
 
 # Compiler settings of a tree. A file is rewritten only when its text changes, and everything that
@@ -329,6 +333,8 @@ demo:
 	@sh tools/setup/demo.sh '$(BUILD)'
 
 check: deps
+	@[ '$(BROWSER)' = 0 ] || sh tools/setup/deps.sh install browser || \
+	    echo 'No Chromium: the test of the pages of brdffit report in a browser is skipped.' >&2
 	@$(MAKE) --no-print-directory check-build
 	@failed=; for part in check-c check-scripts check-asan check-python; do \
 	    $(MAKE) --no-print-directory $$part || failed="$$failed $$part"; \
