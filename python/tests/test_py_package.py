@@ -3,6 +3,7 @@ import os
 import re
 import subprocess
 import sys
+import tarfile
 import zipfile
 
 import pytest
@@ -22,7 +23,7 @@ def wheel(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wheel")
     done = run(sys.executable, "-m", "pip", "wheel", "--no-build-isolation", "--no-deps", "--no-index", "-w", str(folder),
                str(ROOT / "python"), THIRD_PARTY=os.environ.get("THIRD_PARTY", str(BUILD / "third_party")),
-               BRDFFIT_PYTHON_BUILD=str(BUILD / "python"))
+               BRDFFIT_PYTHON_BUILD=str(BUILD))  # whose objects serve: only the library is linked
     assert done.returncode == 0, done.stdout
     found, = folder.glob("*.whl")
     return found
@@ -41,6 +42,25 @@ def test_wheel(wheel, tmp_path):
     assert done.returncode == 0, done.stdout
     assert "Proven: no Beckmann fit with 2 lobes" in done.stdout and "None None None" in done.stdout
     assert str(tmp_path / "site" / "brdffit" / "_lib" / "libbrdffit.so") in done.stdout
+
+
+def test_sdist_has_all_that_make_needs(tmp_path):
+    """Unpacked, `make` finds a rule for every source. `make check-package` really builds it."""
+    done = run(sys.executable, "-m", "hatchling", "build", "-t", "sdist", "-d", str(tmp_path), cwd=ROOT / "python")
+    assert done.returncode == 0, done.stdout
+    archive, = tmp_path.glob("brdffit-*.tar.gz")
+    with tarfile.open(archive) as file:
+        file.extractall(tmp_path, filter="data")
+    inside = tmp_path / archive.name.removesuffix(".tar.gz")
+    sources = sorted(p.relative_to(ROOT) for p in [*ROOT.glob("src/*.c"), *ROOT.glob("src/io/*.c")])
+    assert all((inside / "c" / p).read_bytes() == (ROOT / p).read_bytes() for p in sources)
+    assert not list(inside.rglob("*.so")) and not list(inside.rglob("__pycache__"))
+    kept = {k: "" for k in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    done = run("make", "-n", "ECOS=0", "BUILD=out", "V=1", "out/whole/libbrdffit.so", cwd=inside / "c", **kept)
+    assert done.returncode == 0, done.stdout
+    compiled = set(re.findall(r"-c (src/\S+\.c)", done.stdout))
+    assert compiled == {str(p) for p in sources} and "-shared" in done.stdout
+    assert (inside / "README.md").exists() and (inside / "src" / "brdffit" / "py.typed").exists()
 
 
 def test_version_is_the_headers():

@@ -11,16 +11,19 @@ import re
 import sys
 import tempfile
 from typing import Any, Sequence
-from urllib.parse import quote
+from urllib.parse import quote, unquote
+
+import numpy as np
 
 from .._version import __version__
 from ..errors import BrdffitError, FileError
-from ..options import Options
+from ..options import BY_EXPONENT, Options
 from ..progress import Bar
 from ..samples import Samples
 from .. import _structs as structs
 from ._analysis import Material, measure
-from ._page import index_page, material_page
+from ._index import Failure, Row, index_page, row
+from ._page import material_page
 
 __all__ = ["Material", "main", "measure", "page"]
 
@@ -43,6 +46,7 @@ def _parser() -> argparse.ArgumentParser:
     p.add_argument("-o", "--output", default="brdffit-report", metavar="DIR", help="where the pages go (%(default)s)")
     p.add_argument("--lobes", type=int, choices=(1, 2), default=2, help="the fit that is shown in detail (%(default)s)")
     p.add_argument("--distribution", choices=structs.DISTRIBUTION, default=defaults.distribution)
+    p.add_argument("--norm", choices=structs.NORM, default=defaults.norm)
     p.add_argument("--gap", type=float, default=defaults.relative_gap, metavar="G", help="relative gap on E² (%(default)s)")
     p.add_argument("--max-incidence", default=defaults.max_incidence, metavar="DEG", type=_degrees,
                    help="skip light further from the normal; off: use all (%(default)s)")
@@ -110,40 +114,61 @@ def _material_name(path: str) -> str:
 
 def main(argv: Sequence[str] | None = None) -> int:
     arguments = _parser().parse_args(argv)
-    options = {"distribution": arguments.distribution, "relative_gap": arguments.gap,
-               "max_incidence": arguments.max_incidence, "box_budget": arguments.box_budget}
-    folder = pathlib.Path(arguments.output)
-    code, rows, failures, taken = CERTIFIED, [], [], {"index"}
+    many = len(arguments.files) > 1
     bar = Bar(len(arguments.files), "page") if not arguments.quiet and sys.stderr.isatty() else None
+    batch = _Batch(arguments, pathlib.Path(arguments.output))
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        batch.folder.mkdir(parents=True, exist_ok=True)
         for done, path in enumerate(arguments.files, 1):
-            try:
-                name = _material_name(path)
-                material = measure(name, _read(path, arguments), options, arguments.lobes)
-            except BrdffitError as error:
-                print("brdffit report: %s" % error, file=sys.stderr)
-                failures.append((path, error.message))
-                code = _worse(code, FAILURE if isinstance(error, FileError) else
-                              USAGE if error.code == "option" else DATA)
-                continue
-            link = _page_name(name, taken)
-            _write(folder / link, material_page(material, "index.html" if len(arguments.files) > 1 else None))
-            rows.append((quote(link), name, material))
-            code = _worse(code, CERTIFIED if material.main.certified else OPEN)
+            batch.take(path)
             if bar is not None:
                 bar.update(done)
-        if len(arguments.files) > 1:
-            _write(folder / "index.html", index_page(rows, failures))
+        if many:
+            _write(batch.folder / "index.html", index_page(batch.rows, batch.failures, "n" if arguments.distribution in BY_EXPONENT else "σ"))
     except OSError as error:
         print("brdffit report: %s" % error, file=sys.stderr)
         return FAILURE
     finally:
         if bar is not None:
             bar.close()
-    if rows and not arguments.quiet:
-        print(folder / ("index.html" if len(arguments.files) > 1 else rows[0][0]))
-    return code
+    if (batch.rows or many) and not arguments.quiet:
+        print(batch.folder / ("index.html" if many else unquote(batch.rows[0].link)))
+    return batch.code
+
+
+class _Batch:
+    """File after file; one that cannot be read or fitted does not stop the others."""
+
+    def __init__(self, arguments: argparse.Namespace, folder: pathlib.Path) -> None:
+        self._arguments, self.folder = arguments, folder
+        self._options = {"distribution": arguments.distribution, "norm": arguments.norm, "relative_gap": arguments.gap,
+                         "max_incidence": arguments.max_incidence, "box_budget": arguments.box_budget}
+        self.code, self._taken = CERTIFIED, {"index"}
+        self.rows: list[Row] = []
+        self.failures: list[Failure] = []
+
+    def take(self, path: str) -> None:
+        name = _material_name(path)
+        try:
+            material = measure(name, _read(path, self._arguments), self._options, self._arguments.lobes)
+            text = material_page(material, "index.html" if len(self._arguments.files) > 1 else None)
+            kept = row("", name, material)
+        except BrdffitError as error:
+            self._fail(path, str(error), FAILURE if isinstance(error, FileError) else USAGE if error.code == "option" else DATA)
+        except (ArithmeticError, LookupError, MemoryError, ValueError, np.linalg.LinAlgError) as error:
+            # A page that cannot be drawn is our mistake, and still no reason to withhold the others.
+            self._fail(path, "%s: its page could not be made: %s: %s" % (path, type(error).__name__, error), FAILURE)
+        else:
+            link = _page_name(name, self._taken)
+            kept.link = quote(link)
+            _write(self.folder / link, text)
+            self.rows.append(kept)
+            self.code = _worse(self.code, CERTIFIED if kept.certified else OPEN)
+
+    def _fail(self, path: str, message: str, code: int) -> None:
+        print("brdffit report: %s" % message, file=sys.stderr)
+        self.failures.append(Failure(path, message.removeprefix(path + ": ")))
+        self.code = _worse(self.code, code)
 
 
 def _worse(a: int, b: int) -> int:
