@@ -89,7 +89,7 @@ def test_real_measurements_are_where_the_interpolant_passes_through():
     for file in real_files():
         m = brdffit.load_rgl(file)
         s = m.samples()
-        assert len(s) + s.dropped["masked"] == m._values[..., 0].size and len(s) > 0.85 * m._values[..., 0].size
+        assert len(s) + s.dropped["masked"] == m._values[..., 0].size and len(s) > 0.74 * m._values[..., 0].size
         back = m.lookup(s.light, s.view)
         known = ~np.isnan(back).any(1)  # on a blind cell's very edge, rounding decides
         assert known.mean() > 0.99
@@ -150,6 +150,24 @@ def test_what_was_not_measured(tmp_path):
     assert (m.eval(down, down[[1, 0, 1, 1]]) == 0).all() and not m.measured(down, down[[1, 0, 1, 1]]).any()
     with pytest.raises(brdffit.DataError, match="none of these directions"):
         m.samples((down[:1], down[1:2]))
+
+
+def test_light_along_the_surface_was_not_measured(tmp_path):
+    fields = material()
+    fields["theta_i"][-1] = np.radians(89.99)
+    free = load(tmp_path, fields)
+    for name in ("rgb", "luminance", "vndf"):
+        fields[name] = fields[name].copy()
+        fields[name][:, -1] = fields[name][:, -2]
+    m = load(tmp_path, fields)
+    light, view = directions(400, 9), directions(400, 10)
+    beyond = np.arccos(light[:, 2]) > fields["theta_i"][-2]
+    assert 20 < beyond.sum() and not m.measured(light, view)[beyond].any() and free.measured(light, view)[beyond].mean() > 0.5
+    assert (m.measured(light, view)[~beyond] == free.measured(light, view)[~beyond]).all()
+    assert m.samples().light[:, 2].min() > 0.1 and free.samples().light[:, 2].min() < 1e-3
+    for file in real_files():
+        real = brdffit.load_rgl(file)
+        assert np.degrees(np.arccos(real.samples().light[:, 2].min())) < 82, file
 
 
 def test_shapes_channels_and_clipping(tmp_path):

@@ -11,16 +11,16 @@ import zarr
 import brdffit
 from brdffit.report import main as report
 
-KINDS = ("hdf5", "zarr", "zip")
+KINDS = ("hdf5", "zarr", "zip", "zarr2")
 
 
 def write(tmp_path, kind, data, attributes=(), name="data"):
     """data: {path: array or (array, attributes)}; attributes: of the root."""
-    path = tmp_path / (name + {"hdf5": ".h5", "zarr": ".zarr", "zip": ".zarr.zip"}[kind])
+    path = tmp_path / (name + {"hdf5": ".h5", "zarr": ".zarr", "zip": ".zarr.zip", "zarr2": ".zarr"}[kind])
     if kind == "hdf5":
         root = h5py.File(path, "w")
-    elif kind == "zarr":
-        root = zarr.open_group(path, mode="w")
+    elif kind in ("zarr", "zarr2"):
+        root = zarr.open_group(path, mode="w", zarr_format=2 if kind == "zarr2" else 3)
     else:
         path.unlink(missing_ok=True)
         store = zarr.storage.ZipStore(path, mode="w")
@@ -210,8 +210,8 @@ def test_stack(tmp_path, kind):
     path = write(tmp_path, kind, {"values": (values, attributes), "light": light, "mask": mask, "normal": normal,
                                   "view": np.array([0.0, 0.6, 0.8])})
     stack = brdffit.load_stack(path)
-    assert stack.values.shape == values.shape and stack.values.dtype == np.float32 and stack.format == ("zarr" if kind == "zip"
-                                                                                                        else kind)
+    assert stack.values.shape == values.shape and stack.values.dtype == np.float32
+    assert stack.format == ("hdf5" if kind == "hdf5" else "zarr")
     assert stack.channels == ("450", "550", "650", "nir") and stack.quantity == "brdf"
     assert np.array_equal(stack.values[1:4, ::5, 2, 1:], values[1:4, ::5, 2, 1:]) and np.array_equal(stack.values, values)
     assert np.array_equal(stack.light, light) and np.array_equal(stack.mask, mask != 0) and np.array_equal(stack.normal, normal)

@@ -7,7 +7,8 @@ vector, theta in [0, pi/2] mapped to u = sqrt(2 theta/pi) and phi to v = (phi + 
 
 where the warp (_warp.py) is that of the visible normals at theta_i, D the distribution of normals, sigma the projected
 area of the microsurface, and S what was measured, on a grid of (x, y). i is the light, o the viewer. Files without the
-factor D/(4 sigma) say so (field "jacobian"). A grid point of luminance 0 was not measured: the detector cannot see it.
+factor D/(4 sigma) say so (field "jacobian"). A grid point of luminance 0 was not measured: the detector cannot see it. Nor
+was the last angle of light of the database's files, 90 degrees: it is a copy of the one before, about 80 degrees.
 
 The reference (powitacq) gives f_r cos(theta_o), in single precision; this is f_r, in double.
 """
@@ -27,6 +28,7 @@ from ._warp import Mix, Warp, bilinear, cell, mix
 
 MERL_SHAPE = (90, 90, 180)
 _CHUNK = 1 << 15  # directions at a time
+_GRAZING = np.radians(89.9)
 _POLE = 1e-12  # half vectors this close to the normal have no azimuth
 Channels = Union[Sequence[Union[int, str]], None]
 Mask = npt.NDArray[np.bool_]
@@ -65,10 +67,18 @@ class RGLMaterial:
             raise tensor.wrong("fields %r and 'luminance' differ in their last two dimensions" % name)
         # slices x rows x columns x channels: a point's channels lie side by side
         self._values = np.ascontiguousarray(np.moveaxis(values, 1, -1))
+        self._mark_copies(slices)
 
     def __repr__(self) -> str:
         return "<RGLMaterial %s: %s, %d channels, light at %s degrees>" % (
             self.file, self.description, len(self.channels), ", ".join("%.3g" % t for t in np.degrees(self.theta_i)))
+
+    def _mark_copies(self, slices: tuple[int, ...]) -> None:
+        """Light along the surface measures nothing."""
+        if slices[1] > 1 and self.theta_i[-1] > _GRAZING:
+            by_phi = self._values.reshape(*slices, -1)
+            copied = (by_phi[:, -1] == by_phi[:, -2]).all(1)
+            self._blind.reshape(*slices, -1)[copied, -1] = 1
 
     # ---- Anywhere
 
@@ -160,7 +170,7 @@ class RGLMaterial:
     def samples(self, at: str | tuple[npt.ArrayLike, npt.ArrayLike] = "measured", *, clip: bool = True,
                 channels: Channels = None) -> Samples:
         """Samples to fit. at: "measured" (the instrument's own directions, nothing interpolated; they crowd where the
-        material reflects most), "84" (the paper's directions), or (light, view). What was not measured is left out and
+        material reflects most, and the plane of the seam in them twice), "84" (the paper's directions), or (light, view). What was not measured is left out and
         counted in `dropped`."""
         names = tuple(self.channels[k] for k in self._chosen(channels))
         if isinstance(at, str):

@@ -50,6 +50,8 @@ class LazyArray:
         return "<%s: %s, %s>" % (type(self).__name__, " x ".join(map(str, self.shape)), self.dtype)
 
     def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
+        if copy is False:
+            raise ValueError("the values are in files: an array of them is a copy")
         array = self[...]
         return array if dtype is None else array.astype(dtype)
 
