@@ -178,6 +178,8 @@ def test_shapes_channels_and_clipping(tmp_path):
     assert (m.eval(light, view, channels=["b", 0]) == m.eval(light, view)[..., [2, 0]]).all()
     many = directions(70000, 3)  # more than one part
     assert (m.eval(many, many[::-1])[69000:] == m.eval(many[69000:], many[:1000][::-1])).all()
+    with pytest.raises(brdffit.DataError, match=r"shapes \(3, 4, 3\) and \(5, 3\) do not go together"):
+        m.eval(light, directions(5, 2))
     s = m.samples(clip=False)
     assert s.values.min() < 0 and m.samples().values.min() == 0
     for wrong in (["x"], [3], [-1]):

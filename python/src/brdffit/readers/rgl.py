@@ -104,7 +104,7 @@ class RGLMaterial:
     def _each(self, light: npt.ArrayLike, view: npt.ArrayLike, function: Callable[[Floats, Floats], Floats],
               clip: bool) -> Floats:
         """`function` of unit directions n x 3, a part at a time: intermediate results are wide."""
-        l, v = np.broadcast_arrays(vectors("light", light), vectors("view", view))
+        l, v = _together(light, view)
         parts = []
         flat = [d.reshape(-1, 3) for d in (l, v)]
         for first in range(0, max(len(flat[0]), 1), _CHUNK):
@@ -183,7 +183,7 @@ class RGLMaterial:
                 light, view = protocol84()
                 values = self.lookup(light, view, clip=clip, channels=channels)
         else:
-            light, view = np.broadcast_arrays(*(vectors(name, d) for name, d in zip(("light", "view"), at)))
+            light, view = _together(*at)
             values = self.lookup(light, view, clip=clip, channels=channels)
         light, view, values = light.reshape(-1, 3), view.reshape(-1, 3), values.reshape(-1, len(names))
         seen = ~np.isnan(values).any(1)
@@ -236,6 +236,16 @@ class RGLMaterial:
 def load_rgl(path: Path) -> RGLMaterial:
     """An isotropic .bsdf file of the RGL database, RGB or spectral."""
     return RGLMaterial(TensorFile(path))
+
+
+def _together(light: npt.ArrayLike, view: npt.ArrayLike) -> tuple[Floats, Floats]:
+    """Both ... x 3, broadcast against each other."""
+    l, v = vectors("light", light), vectors("view", view)
+    try:
+        both = np.broadcast_arrays(l, v)
+    except ValueError as error:
+        raise DataError("light and view of shapes %s and %s do not go together" % (l.shape, v.shape), code="argument") from error
+    return both[0], both[1]
 
 
 def _elevation(d: Floats) -> Floats:
