@@ -16,6 +16,7 @@ import report
 from programs import PEERS, Failure, Programs, say
 
 GAP = 1e-6
+LINF_GAP = 1e-3
 STEP_LOG2 = 11
 
 
@@ -33,7 +34,8 @@ class Experiments:
         self.fits = self.all_fits()
         self.brute = self.all_brute(options)
         self.boxes = self.all_boxes(options)
-        self.linf = self.programs.boxes(self.samples, "moment", 1, "--norm", "linf", "--gap", 1e-3)
+        self.linf = {lobes: self.programs.boxes(self.samples, "moment", lobes, "--norm", "linf", "--gap", LINF_GAP)
+                     for lobes in (1, 2)}
         self.versions = self.programs.peer_versions()
         self.scopes = {"all": (sorted(self.samples), options.starts)}
         if options.deep_starts > options.starts:
