@@ -11,8 +11,11 @@ import pathlib
 import shlex
 import sys
 
+sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # for results.py
+
 import arithmetic as a
 import report
+import results
 from programs import PEERS, Failure, Programs, say
 
 GAP = 1e-6
@@ -36,6 +39,7 @@ class Experiments:
         self.boxes = self.all_boxes(options)
         self.linf = {lobes: self.programs.boxes(self.samples, "moment", lobes, "--norm", "linf", "--gap", LINF_GAP)
                      for lobes in (1, 2)}
+        self.machine = results.machine()
         self.versions = self.programs.peer_versions()
         self.scopes = {"all": (sorted(self.samples), options.starts)}
         if options.deep_starts > options.starts:
@@ -244,7 +248,7 @@ def main(arguments):
         text = report.write(e)
         (e.out / "results.md").write_text(text, encoding="utf-8")
         if options.results:
-            report.put(options.results, text)
+            results.put(options.results, text, report.BEGIN, report.END)
     except (Failure, OSError) as failure:
         say(f"paper: {failure}")
         return 1

@@ -1,24 +1,8 @@
 """The table of the paper's claims beside ours, as Markdown. SPDX-License-Identifier: MIT"""
-import os
-import pathlib
-import platform
-
 import arithmetic as a
 
 BEGIN = "<!-- make paper: begin (written by tools/paper; edit there) -->"
 END = "<!-- make paper: end -->"
-
-
-def machine():
-    name = platform.processor() or platform.machine()
-    try:
-        for line in pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                name = line.split(":", 1)[1].strip()
-                break
-    except OSError:
-        pass
-    return f"{name}, one of {os.cpu_count()} cores"
 
 
 def seconds(value):
@@ -166,7 +150,7 @@ def write(e):
     sections = [
         BEGIN, "## The paper's experiments", "",
         f"Data: {e.note}", "",
-        f"Made by `{e.command}` on {machine()} (shared with other work; times are one run's, without reading files; "
+        f"Made by `{e.command}` on {e.machine} (shared with other work; times are one run's, without reading files; "
         "those of brute force and local solvers are of the run that filled their cache). " +
         ("--cached: the local solvers were not run then; their rows are of earlier runs of `build/peers` "
          "with these settings and this seed. " if e.cached else "") +
@@ -211,17 +195,3 @@ def peer_notes(e):
         "box, where it goes on with those coefficients held that ended on zero); uniform in σ, or log-uniform over "
         "[1e-3, 6]. Of the parametrisations tried (plain, logarithmic, square roots) these did best. “Starts that arrive”: "
         "share of single starts within 1e-6."]
-
-
-def put(path, text):
-    """Replace the marked section of a Markdown file, or append it; other sections stay."""
-    path = pathlib.Path(path)
-    old = path.read_text(encoding="utf-8") if path.exists() else "# Results\n"
-    if BEGIN in old and END in old:
-        head, rest = old.split(BEGIN, 1)
-        new = head + text.rstrip("\n") + rest.split(END, 1)[1]
-    else:
-        new = old.rstrip("\n") + "\n\n" + text
-    part = path.with_name(path.name + ".part")
-    part.write_text(new, encoding="utf-8")
-    part.rename(path)
