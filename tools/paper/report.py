@@ -160,8 +160,9 @@ def write(e):
         "d₁₂ = (E₁ − E₂)/E₂ with E the root mean square error; the paper names no threshold for “the same”.", "",
         "### Boxes", "",
         "Both engines, same partition and search; a level is one halving of one side (`boxes.svg`, `boxes.csv`). With two "
-        "lobes engine socp stops at the paper's half-length of 2⁻¹¹ in σ (or, short of that, at 1,000,000 boxes or a full heap: counted below), on one material in "
-        f"{e.boxes_every}, by name: its first-order bounds do not close a gap of 1e-6 there. E² apart: relative, where it is more than 1e-12 of the data's "
+        "lobes engine socp stops at the paper's half-length of 2⁻¹¹ in σ (or, short of that, at 1,000,000 boxes or a full heap: "
+        "counted below), on " + (f"one material in {e.boxes_every}, by name" if e.boxes_every > 1 else "all materials") +
+        ": its first-order bounds do not close a gap of 1e-6 there. E² apart: relative, where it is more than 1e-12 of the data's "
         "sum of squares, else 0.", "", box_rows(e), "",
         "### Local solvers from random starts", "",
         "The paper: Levenberg–Marquardt with two lobes is at the global optimum for 51 of 100 materials after 100 starts "
