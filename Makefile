@@ -73,7 +73,7 @@ BENCH := $(sort $(wildcard tools/bench/bench_*.c))
 TESTS := $(sort $(wildcard tests/test_*.c))
 REFERENCES := $(sort $(wildcard tests/ref/*.c))
 FUZZ := $(sort $(wildcard tests/fuzz/*.c))
-TEST_SUPPORT := $(call object,$(wildcard tests/verify.c tests/support.c))
+TEST_SUPPORT := $(call object,$(wildcard tests/batch.c tests/verify.c tests/support.c))
 SCRIPTS := $(sort $(wildcard tests/check_*.sh))
 MANUALS := $(wildcard tools/brdffit/brdffit.1)
 
