@@ -27,7 +27,8 @@ datarootdir ?= $(prefix)/share
 mandir ?= $(datarootdir)/man
 pkgconfigdir ?= $(libdir)/pkgconfig
 
-# make check installs Chromium where it may, for the test of report pages; 0: it does not (some 100 MB to download).
+# make check installs Chromium where it may, for the test of report pages; 0: it does not (some 200 MB to
+# download with all that it needs, 850 MB installed).
 BROWSER ?= 1
 
 # Tests read development data from here and skip what is absent.

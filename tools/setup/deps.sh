@@ -14,6 +14,7 @@ CC=${CC:-cc}
 PYTHON=${PYTHON:-python3}
 mode=$1
 shift
+groups=$*
 
 links() { # header, libraries: does a program with them link?
     scratch=$(mktemp -d)
@@ -86,7 +87,7 @@ complain() {
     {
         echo "brdffit: missing on this system:$missing"
         echo "On Debian or Ubuntu: apt-get install$packages"
-        [ "$mode" = install ] || echo "or let 'make deps' do that, as root or with sudo."
+        [ "$mode" = install ] || echo "or let 'make deps DEPS=\"$groups\"' do that, as root or with sudo."
     } >&2
     exit 1
 }
