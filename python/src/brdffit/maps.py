@@ -213,7 +213,7 @@ def fit_map(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike | 
     scale = _batch.positive("scale", scale)
     began = time.perf_counter()
     results = _batch.allocate(stack.count, stack.channels, asked.lobes)
-    tiles = tiles_of(stack.count, count_of("tile", tile, _batch.default_tile(asked, given.own)))
+    tiles = tiles_of(stack.count, count_of("tile", tile, _tile(asked, given.own, stack.count)))
     pool = Pool(tiles)
     workers, skipped = _workers(given, asked, stack, results, flags, scale, pool,
                                 min(count_of("threads", threads, processors()), len(tiles)))
@@ -221,6 +221,11 @@ def fit_map(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike | 
     if errors == "raise":
         _raise(stack, given, asked, scale, results, pool)
     return _gather(results, pool, workers, skipped, given, asked, stack, time.perf_counter() - began)
+
+
+def _tile(options: Options, own: bool, count: int) -> int:
+    """Few tiles would leave threads idle. The number of threads has no say: counts in `stats` shall not depend on it."""
+    return min(_batch.default_tile(options, own), max(256, -(-count // 32)))
 
 
 def _workers(given: Geometry, options: Options, stack: Stack, results: _batch.Arrays,
