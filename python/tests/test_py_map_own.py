@@ -1,8 +1,10 @@
 """Maps of texels with directions of their own, and the same bits as the command line. SPDX-License-Identifier: MIT"""
+import dataclasses
+
 import numpy as np
 import pytest
 import stacks
-from test_py_map import BAD_VALUE, CERTIFIED, MASKED, NO_SAMPLES, NO_SIGNAL, same
+from map_case import BAD_VALUE, CERTIFIED, MASKED, NO_SAMPLES, NO_SIGNAL, same
 
 import brdffit
 
@@ -194,8 +196,6 @@ def test_files_that_are_no_maps(tmp_path, bent):
 @pytest.mark.parametrize("options", [{}, {"distribution": "lafortune", "lobes": 2, "quantity": "radiance"}], ids=str)
 def test_predict(bent, options):
     """The bits of Fit.predict, for every shape of directions."""
-    import dataclasses
-
     stack, light, view, normals = bent
     fits = brdffit.fit_map(stack, light, view, **options)
     one = {key: value for key, value in options.items() if key != "quantity"}

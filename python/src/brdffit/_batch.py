@@ -37,7 +37,7 @@ COUNTS = tuple(field[0] for field in structs.ManyStats._fields_[1:])
 
 # Texels of one call where it is not said: some milliseconds of work, so that Ctrl-C is heard soon.
 TILE_ONE_LOBE = 4096
-TILE_TWO_LOBES = 64
+TILE_TWO_LOBES = 32
 TILE_PROGRAMS = 1
 TILE_OWN = 64  # with directions of their own, one lobe
 
