@@ -184,7 +184,8 @@ def fit_map(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike | 
         none (samples x S), and the results have one channel
     light, view: towards light and viewer, around the normal: N x 3 for N samples, one vector, or N x S x 3
         (broadcast) where texels differ; any length but zero. view None: +z. Or light is a `Samples` (its values are
-        not looked at), whose directions, angles or coefficients, weights and quantity hold for all texels.
+        not looked at) or the path of a CSV file as of `brdffit map --geometry`: its directions, angles or coefficients,
+        weights and quantity hold for all texels.
     normal: one vector, or S x 3: a normal map in the frame of the directions; None: +z
     weights: N, multiply squared residuals; a sample of weight 0 is not looked at
     mask: S; texels where it is 0, False or NaN are skipped
