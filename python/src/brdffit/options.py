@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from typing import TYPE_CHECKING, TypedDict
 
@@ -94,6 +95,12 @@ class Options:
             box_budget=int(c.box_budget), max_incidence=c.max_incidence, socp_every_box=bool(c.socp_every_box))
 
     def _struct(self) -> structs.Options:
+        try:
+            return structs.Options.from_buffer_copy(_checked(self))
+        except TypeError:  # of 0-d arrays or lists: nothing that can be looked up
+            return self._make()
+
+    def _make(self) -> structs.Options:
         out = library().options()
         out.lobes = _integer("lobes", self.lobes, 2**31)
         out.distribution = choose("distribution", self.distribution, structs.DISTRIBUTION)
@@ -108,6 +115,12 @@ class Options:
         out.box_budget = _integer("box_budget", self.box_budget, 2**63)
         out.socp_every_box = int(bool(self.socp_every_box))
         return out
+
+
+@functools.lru_cache(maxsize=64)
+def _checked(options: Options) -> bytes:
+    """The struct of options that are in order: checking them takes as long as a small fit."""
+    return bytes(options._make())
 
 
 def _number(name: str, value: float) -> float:

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import weakref
 from ctypes import POINTER, byref, pointer
 from typing import Any, Mapping, Sequence, Union
 
@@ -170,6 +171,14 @@ class Samples:
         return _read(path, options, quantity)
 
     @classmethod
+    def _places(cls, path: Path, quantity: str | None) -> Samples:
+        """A CSV file that needs no channel: for its directions and weights."""
+        options = library().io_options()
+        options.format = structs.FORMAT.index("csv")
+        options.directions_only = 1
+        return _read(path, options, quantity)
+
+    @classmethod
     def from_merl(cls, path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "table",
                   bins: str = "edge") -> Samples:
         """A MERL .binary file (also .gz). samples: "table" (every cell that was measured), "84" (the paper's
@@ -251,6 +260,12 @@ class Samples:
 
     def _struct(self) -> structs.Samples:
         """Points into this object's arrays: keep it alive."""
+        made = _STRUCTS.get(self)
+        if made is None:
+            made = _STRUCTS[self] = bytes(self._make())
+        return structs.Samples.from_buffer_copy(made)
+
+    def _make(self) -> structs.Samples:
         out = library().samples()
         out.count, out.channels = self.values.shape
         out.form = structs.FORM.index(self.form)
@@ -258,6 +273,10 @@ class Samples:
         for name in _ARRAYS:
             setattr(out, name, address(getattr(self, name)))
         return out
+
+
+# What _struct gives copies of. Not kept in the object, which travels: addresses do not.
+_STRUCTS: weakref.WeakKeyDictionary[Samples, bytes] = weakref.WeakKeyDictionary()
 
 
 def _rows(values: npt.ArrayLike) -> Floats:
@@ -307,7 +326,7 @@ def _from_table(table: structs.Table, owner: _Table, name: str, at: Samples | No
     if table.lines:
         lines = np.ctypeslib.as_array(table.lines, (count,)).astype(np.uintp)
     return Samples(
-        values=from_address(data.values, (count, channels), owner),  # type: ignore[arg-type]
+        values=from_address(data.values, (count, channels), owner) if channels else np.zeros((count, 0)),  # type: ignore[arg-type]
         channels=tuple(table.channel_names[k].decode("utf-8", "replace") for k in range(channels)),
         form=structs.FORM[data.form], quantity=structs.QUANTITY[data.quantity], file=name,
         format=structs.FORMAT[table.format], lines=lines,
