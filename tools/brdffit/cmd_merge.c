@@ -24,7 +24,8 @@ void brdffit_cli_merge_help(void)
         "\n"
         "PART.json are what 'brdffit fit --json --shard I/N FILE...' wrote for I from 1\n"
         "to N, each with the same FILEs and options; - is standard input. Lines may come\n"
-        "in any order. The result is, byte for byte, what one run without --shard writes.\n"
+        "in any order. The result is, byte for byte, what one run without --shard writes\n"
+        "(seconds are those of the parts).\n"
         "\n"
         "MAPS is what 'brdffit map --shard I/N' was told as --output. Its tiles become\n"
         "the maps, as those of one run, and MAPS.brdffit-work is removed.\n"
@@ -49,18 +50,25 @@ static int is_folder(const char *path)
     return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
 }
 
+/* `length` bytes of `path` end so. */
+static int ends(const char *path, size_t length, const char *with)
+{
+    const size_t size = strlen(with);
+    return length > size && memcmp(path + length - size, with, size) == 0;
+}
+
 /* The maps' name, when `path` is one, or their work folder; empty when not. */
 static void find_maps(cli_text *target, const char *path)
 {
-    const size_t suffix = strlen(work_suffix);
     size_t length = strlen(path);
     while (length > 1 && path[length - 1] == '/')
         length--;
-    if (length > suffix && memcmp(path + length - suffix, work_suffix, suffix) == 0)
-        length -= suffix;
+    const int is_work = ends(path, length, work_suffix);
+    if (is_work)
+        length -= strlen(work_suffix);
     cli_text work = {0};
     brdffit_cli_text_printf(&work, "%.*s%s", (int)length, path, work_suffix);
-    if (is_folder(path) || is_folder(brdffit_cli_text_string(&work)))
+    if (is_work || ends(path, length, ".npz") || is_folder(path) || is_folder(brdffit_cli_text_string(&work)))
         brdffit_cli_text_add(target, path, length);
     target->failed |= work.failed;
     brdffit_cli_text_free(&work);

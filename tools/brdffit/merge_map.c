@@ -125,13 +125,13 @@ static int merge(cli_map *map, cli_settings *settings, const char *target, cli_t
     int code = brdffit_cli_map_reopen(map, target);
     if (code == 0)
         code = read_manifest(map, settings, manifest);
+    brdffit_cli_fit_options(settings, &map->options);
     if (code == 0)
         code = brdffit_cli_map_check_target(settings, target);
     if (code == 0)
         code = check_tiles(map);
     if (code != 0)
         return code;
-    brdffit_cli_fit_options(settings, &map->options);
     code = brdffit_cli_map_write(map, target, &counts);
     if (code != 0)
         return code;
