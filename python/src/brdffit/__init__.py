@@ -11,11 +11,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ._ffi import LibraryError
+from ._pool import MapProgress
 from ._version import __version__
 from .boxes import Boxes, fit_boxes
 from .errors import BrdffitError, DataError, FileError, OptionError, OutOfMemoryError, UnsupportedError
 from .fit import Fit, fit
 from .many import fit_many
+from .maps import FitMap, fit_map
 from .merl import MerlTable, load_merl
 from .options import Options
 from .progress import Progress
@@ -24,9 +26,10 @@ from .samples import Samples, protocol84
 if TYPE_CHECKING:
     from .regressor import BRDFRegressor
 
-__all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "DataError", "FileError", "Fit", "LibraryError", "MerlTable", "Options",
+__all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "DataError", "FileError", "Fit", "FitMap", "LibraryError",
+           "MapProgress", "MerlTable", "Options",
            "OptionError", "OutOfMemoryError", "Progress", "Samples", "UnsupportedError", "__version__", "fit",
-           "fit_boxes", "fit_many", "library_path", "load_merl", "protocol84"]
+           "fit_boxes", "fit_many", "fit_map", "library_path", "load_merl", "protocol84"]
 
 
 def library_path() -> str:
