@@ -1,0 +1,95 @@
+"""One tile, from its values to the maps: what a worker runs. Everything here can be pickled.
+
+SPDX-License-Identifier: MIT
+"""
+from __future__ import annotations
+
+import os
+import sys
+from typing import TYPE_CHECKING, Any, Mapping, Sequence
+
+import numpy as np
+
+from . import _zarr_maps as store
+from ._tiles import Region
+from .errors import BrdffitError
+
+if TYPE_CHECKING:
+    from .maps import FitMap
+
+# Scheduler's topic under which workers tell when they begin and end a tile: client.get_events(TOPIC).
+TOPIC = "brdffit-tile"
+
+
+class ZarrBlock:
+    """A tile's values, which the worker reads itself: only the place travels."""
+
+    def __init__(self, array: Any, index: Region) -> None:
+        self.array, self.index = array, index
+
+    def load(self) -> Any:
+        return self.array[self.index]
+
+
+class TileJob:
+    """A call of `fit_map` for one tile. arguments: its keywords; group: where the maps go, or None.
+
+    No dataclass: Dask looks into those, and there is nothing for it in here.
+    """
+
+    def __init__(self, number: int, region: Region, arguments: Mapping[str, Any], group: Any = None,
+                 names: Sequence[str] = ()) -> None:
+        self.number, self.region, self.arguments = number, region, arguments
+        self.group, self.names = group, names
+
+    def fit(self, block: Any) -> FitMap:
+        from .maps import fit_map
+
+        values = block.load() if isinstance(block, ZarrBlock) else np.asarray(block)
+        try:
+            # One thread of C for a thread of the scheduler: it knows how many processors there are.
+            return fit_map(values, threads=1, **self.arguments)
+        except BrdffitError as error:
+            texel = getattr(error, "texel", None)
+            if texel is not None:
+                setattr(error, "texel", tuple(part.start + i for part, i in zip(self.region, texel)))
+            raise
+
+    def arrays(self, block: Any) -> dict[str, Any]:
+        """Of one tile, by name, to become chunks of Dask arrays."""
+        result = self.fit(block)
+        return {name: np.asarray(getattr(result, name)) for name in self.names}
+
+    def store(self, block: Any) -> list[int]:
+        """Fit and write. A tile that is recorded already is not fitted again: it was done by a worker that died before
+        its answer arrived. Returns the row of counts."""
+        row = store.recorded(self.group, self.number)
+        if row is None:
+            _tell(self.number, "begin")
+            row = store.write_tile(self.group, self.number, self.region, self.names, self.fit(block))
+            _tell(self.number, "end")
+        return row
+
+
+def run_store(job: TileJob, block: Any) -> list[int]:
+    return job.store(block)
+
+
+def run_arrays(job: TileJob, block: Any) -> dict[str, Any]:
+    return job.arrays(block)
+
+
+def pick(arrays: dict[str, Any], name: str) -> Any:
+    return arrays[name]
+
+
+def _tell(tile: int, what: str) -> None:
+    """To the scheduler's log of events, on a worker of one."""
+    if "distributed" in sys.modules:
+        from distributed import get_worker
+
+        try:
+            worker = get_worker()
+        except ValueError:
+            return
+        worker.log_event(TOPIC, {"tile": tile, "what": what, "pid": os.getpid()})
