@@ -39,6 +39,7 @@ COUNTS = tuple(field[0] for field in structs.ManyStats._fields_[1:])
 TILE_ONE_LOBE = 2048
 TILE_TWO_LOBES = 64
 TILE_PROGRAMS = 1
+TILE_OWN = 64  # with directions of their own, one lobe
 
 _PLANS_KEPT = 4
 
@@ -48,9 +49,11 @@ def is_fast(options: Options) -> bool:
     return options.norm == "l2" and options.engine == "moment"
 
 
-def default_tile(options: Options) -> int:
+def default_tile(options: Options, own: bool = False) -> int:
     if not is_fast(options):
         return TILE_PROGRAMS
+    if own:
+        return TILE_OWN
     return TILE_ONE_LOBE if options.lobes == 1 else TILE_TWO_LOBES
 
 
@@ -73,6 +76,15 @@ class Plan:
             raise from_struct(error, path=geometry.file, lines=geometry.lines)
         self.pointer = pointer
         self.workspace_size = int(core.brdffit_many_workspace_size(pointer))
+        self.samples_skipped = self._inspect(c_samples, c_options)
+
+    def _inspect(self, samples: structs.Samples, options: structs.Options) -> dict[str, int]:
+        """Samples that no texel uses, by reason."""
+        zeros = np.zeros(self.samples)
+        samples.channels, samples.values = 1, address(zeros)
+        skipped = (ctypes.c_size_t * len(structs.SKIP))()
+        library().core.brdffit_inspect(byref(samples), byref(options), None, skipped, None)
+        return {reason: int(skipped[i]) for i, reason in enumerate(structs.SKIP)}
 
 
 def check_build(options: structs.Options) -> None:
@@ -156,15 +168,16 @@ class Worker:
         self._call: Callable[..., int] = core.brdffit_fit_many
         self._error = structs.Error()
 
-    def fit(self, first: int, count: int) -> None:
-        """Texels [first, first + count). Other threads run meanwhile."""
+    def fit(self, first: int, count: int) -> bool:
+        """Texels [first, first + count). Other threads run meanwhile. True: they are all done."""
         for block in self.stack.blocks(first, count):
             self._fit(block)
+        return True
 
     def _fit(self, block: Block) -> None:
         t, r, values = self.texels, self.results, block.values
         item = values.itemsize
-        t.count = block.count
+        t.count = block.texels
         t.values, t.type = values.ctypes.data, structs.TYPE.index(values.dtype.name)
         t.sample_stride, t.texel_stride, t.channel_stride = (step // item for step in values.strides)
         t.mask = None if self.mask is None else self.mask.ctypes.data + block.first
@@ -176,6 +189,9 @@ class Worker:
 
     def counts(self) -> dict[str, int]:
         return {name: int(getattr(self.stats, name)) for name in COUNTS}
+
+    def skipped(self) -> dict[str, int]:
+        return self.plan.samples_skipped
 
 
 def texel_mask(mask: npt.ArrayLike | None, spatial: tuple[int, ...]) -> npt.NDArray[np.uint8] | None:

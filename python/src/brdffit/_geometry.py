@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._arrays import Floats, column, vectors
+from ._stack import of_all_samples
 from .errors import DataError
 from .samples import Samples
 
@@ -28,6 +29,17 @@ class Geometry:
     def own(self) -> bool:
         """Whether a texel has directions of its own."""
         return self.light is not None or self.view is not None or self.normal is not None
+
+    def at(self, texel: tuple[int, ...]) -> Samples:
+        """Of one texel."""
+        changes: dict[str, Floats] = {}
+        for name in ("light", "view"):
+            own = getattr(self, name)
+            if own is not None:
+                changes[name] = own[of_all_samples(texel)]
+        if self.normal is not None:
+            changes["normal"] = np.broadcast_to(self.normal[texel], (len(self.shared), 3))
+        return dataclasses.replace(self.shared, **changes)  # type: ignore[arg-type]
 
 
 def geometry(light: DirectionsLike, view: npt.ArrayLike | None, normal: npt.ArrayLike | None,

@@ -31,9 +31,9 @@ MapProgressArgument = Union[MapCallback, bool, None]
 
 
 class TileWorker(Protocol):
-    """One thread's memory. `fit` may be called by one thread at a time."""
+    """One thread's memory. `fit` may be called by one thread at a time, and returns whether the tile is done."""
 
-    def fit(self, first: int, count: int) -> None: ...
+    def fit(self, first: int, count: int) -> bool: ...
 
 
 def processors() -> int:
@@ -78,12 +78,13 @@ class Teller:
 
 
 class Pool:
-    """Threads that take tiles in order. After `stop` each ends with the tile that it has."""
+    """Threads that take tiles in order. Once stopped, each ends with the tile that it has."""
 
     def __init__(self, tiles: Sequence[tuple[int, int]]) -> None:
         self.done = [False] * len(tiles)
         self.texels = 0
-        self._tiles, self._next, self._running = tiles, 0, 0
+        self.tiles = tiles
+        self._next, self._running = 0, 0
         self._stop = False
         self._error: BaseException | None = None
         self._changed = threading.Condition()
@@ -91,7 +92,6 @@ class Pool:
     def stop(self) -> None:
         self._stop = True
 
-    @property
     def stopped(self) -> bool:
         return self._stop
 
@@ -100,13 +100,13 @@ class Pool:
             while True:
                 with self._changed:
                     tile = self._next
-                    if self._stop or tile >= len(self._tiles):
+                    if self._stop or tile >= len(self.tiles):
                         break
                     self._next += 1
-                worker.fit(*self._tiles[tile])
-                with self._changed:
-                    self.done[tile] = True
-                    self.texels += self._tiles[tile][1]
+                if worker.fit(*self.tiles[tile]):
+                    with self._changed:
+                        self.done[tile] = True
+                        self.texels += self.tiles[tile][1]
         except BaseException as error:  # raised again by run(), in the thread of the caller
             self._error = self._error or error
             self._stop = True

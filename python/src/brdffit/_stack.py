@@ -19,13 +19,18 @@ Values = npt.NDArray[Any]
 SHORT_RUN = 32
 
 
+def of_all_samples(spatial: Iterable[Any]) -> tuple[Any, ...]:
+    """An index: every sample of the texels that `spatial` selects."""
+    return (slice(None), *spatial)
+
+
 class Block(NamedTuple):
     """Texels for one call: element (i, t, k) is sample i, texel t, channel k. `values` is of a type that the C library
     reads, and aligned; strides are those of the caller's array when nothing was copied."""
 
     values: Values
     first: int
-    count: int
+    texels: int
 
 
 def _axis(name: str, axis: int, dims: int) -> int:
@@ -106,19 +111,15 @@ class Stack:
     def _view(self, first: int, count: int) -> Values:
         if not self.spatial:
             return self.array[:, np.newaxis]
-        start = self.array[self._index(slice(int(i), int(i) + 1) for i in np.unravel_index(first, self.spatial))]
+        start = self.array[of_all_samples(slice(int(i), int(i) + 1) for i in np.unravel_index(first, self.spatial))]
         flat = start.reshape(self.samples, 1, self.channels)
         strides = (self.array.strides[0], self.stride, self.array.strides[-1])
         return np.lib.stride_tricks.as_strided(flat, (self.samples, count, self.channels), strides, writeable=False)
-
-    @staticmethod
-    def _index(spatial: Iterable[Any]) -> tuple[Any, ...]:
-        return (slice(None), *spatial)
 
     def _copy(self, first: int, count: int) -> Values:
         if not self.spatial:
             part = self.array[:, np.newaxis]
         else:
-            part = self.array[self._index(np.unravel_index(np.arange(first, first + count), self.spatial))]
+            part = self.array[of_all_samples(np.unravel_index(np.arange(first, first + count), self.spatial))]
         kept = part.dtype.newbyteorder("=") if part.dtype.newbyteorder("=").name in structs.TYPE else np.float64
         return np.ascontiguousarray(part, dtype=kept)
