@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import concurrent.futures
 import sys
+import threading
 import uuid
 from typing import Any, Callable, Iterator, Sequence
 
@@ -73,25 +74,26 @@ def _distributed(work: Sequence[Work], client: Any, retries: int) -> Iterator[tu
         client.cancel([future for future in futures if not future.done()])
 
 
-def _try(job: TileJob, block: Any) -> list[int]:
-    if hasattr(block, "dask") or hasattr(block, "__dask_graph__"):
-        block = block.compute(scheduler="synchronous")
-    for _ in range(_AGAIN):
+def _try(job: TileJob, block: Any, stop: threading.Event) -> list[int]:
+    for again in range(_AGAIN + 1):
         try:
-            return job.store(block)
+            values = block.compute(scheduler="synchronous") if hasattr(block, "__dask_graph__") else block
+            return job.store(values, stop.is_set)
         except OSError:
-            pass
-    return job.store(block)
+            if again == _AGAIN or stop.is_set():
+                raise
+    raise AssertionError("not reached")
 
 
 def _threads(work: Sequence[Work], threads: int) -> Iterator[tuple[TileJob, list[int]]]:
     pool = concurrent.futures.ThreadPoolExecutor(threads)
     waiting: dict[concurrent.futures.Future[list[int]], TileJob] = {}
     left = iter(work)
+    stop = threading.Event()
     try:
         while True:
             for job, block in left:
-                waiting[pool.submit(_try, job, block)] = job
+                waiting[pool.submit(_try, job, block, stop)] = job
                 if len(waiting) >= _QUEUE * threads:
                     break
             if not waiting:
@@ -100,4 +102,5 @@ def _threads(work: Sequence[Work], threads: int) -> Iterator[tuple[TileJob, list
             for future in ended:
                 yield waiting.pop(future), future.result()
     finally:
+        stop.set()
         pool.shutdown(wait=True, cancel_futures=True)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import TYPE_CHECKING, Any, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -19,6 +19,10 @@ if TYPE_CHECKING:
 
 # Scheduler's topic under which workers tell when they begin and end a tile: client.get_events(TOPIC).
 TOPIC = "brdffit-tile"
+
+
+class Stopped(Exception):
+    """The run ends before this tile does."""
 
 
 class ZarrBlock:
@@ -38,35 +42,43 @@ class TileJob:
     """
 
     def __init__(self, number: int, region: Region, arguments: Mapping[str, Any], group: Any = None,
-                 names: Sequence[str] = ()) -> None:
+                 fields: Sequence[store.Field] = ()) -> None:
         self.number, self.region, self.arguments = number, region, arguments
-        self.group, self.names = group, names
+        self.group, self.fields = group, fields
 
-    def fit(self, block: Any) -> FitMap:
+    def fit(self, block: Any, stopped: Callable[[], bool] | None = None) -> FitMap:
+        """`stopped` is asked about ten times a second; once it is true, raises `Stopped`."""
         from .maps import fit_map
+
+        def ask(_: object) -> bool:
+            return stopped is not None and stopped()
 
         values = block.load() if isinstance(block, ZarrBlock) else np.asarray(block)
         try:
             # One thread of C for a thread of the scheduler: it knows how many processors there are.
-            return fit_map(values, threads=1, **self.arguments)
+            result: FitMap = fit_map(values, threads=1, progress=None if stopped is None else ask, **self.arguments)
         except BrdffitError as error:
             texel = getattr(error, "texel", None)
             if texel is not None:
                 setattr(error, "texel", tuple(part.start + i for part, i in zip(self.region, texel)))
             raise
+        if ask(None):
+            raise Stopped("stopped")
+        return result
 
     def arrays(self, block: Any) -> dict[str, Any]:
-        """Of one tile, by name, to become chunks of Dask arrays."""
+        """Of one tile, by name, to become chunks of Dask arrays; "": its row of counts."""
         result = self.fit(block)
-        return {name: np.asarray(getattr(result, name)) for name in self.names}
+        return {"": store.counts_of(result), **{field.name: np.asarray(getattr(result, field.name), field.dtype)
+                                                for field in self.fields}}
 
-    def store(self, block: Any) -> list[int]:
+    def store(self, block: Any, stopped: Callable[[], bool] | None = None) -> list[int]:
         """Fit and write. A tile that is recorded already is not fitted again: it was done by a worker that died before
         its answer arrived. Returns the row of counts."""
         row = store.recorded(self.group, self.number)
         if row is None:
             _tell(self.number, "begin")
-            row = store.write_tile(self.group, self.number, self.region, self.names, self.fit(block))
+            row = store.write_tile(self.group, self.number, self.region, self.fields, self.fit(block, stopped))
             _tell(self.number, "end")
         return row
 

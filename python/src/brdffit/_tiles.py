@@ -13,7 +13,6 @@ import warnings
 from typing import Any, Sequence, Union
 
 import numpy as np
-import numpy.typing as npt
 
 from ._pool import count_of
 from .errors import DataError, OptionError
@@ -90,18 +89,6 @@ def stack_index(region: Region, sample_axis: int, channel_axis: int | None) -> R
     for axis in sorted(axis for axis in (sample_axis, channel_axis) if axis is not None):
         index.insert(axis, slice(None))
     return tuple(index)
-
-
-def own_part(array: npt.NDArray[Any] | None, region: Region, before: int) -> npt.NDArray[Any] | None:
-    """Of directions a texel, (samples x) spatial shape x 3, those of a tile; what all texels share stays whole.
-
-    before: axes before the spatial ones. Axes of length 1 are broadcast.
-    """
-    if array is None or array.ndim != before + len(region) + 1 or array.ndim <= 2:
-        return array
-    index = (slice(None),) * before + tuple(slice(None) if array.shape[before + i] == 1 else part
-                                            for i, part in enumerate(region))
-    return np.ascontiguousarray(array[index])
 
 
 def positive_axis(name: str, axis: Any, dims: int) -> int:

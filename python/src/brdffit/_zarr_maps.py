@@ -1,6 +1,7 @@
-"""Maps in a zarr group, written tile by tile by many processes, and what of them is there already.
+"""Maps in a zarr group, written by many processes, and what of them is there already.
 
-    sigma, x, y, ... status   the arrays of FitMap; a tile is a chunk of each, so that no two workers share one
+    sigma, ... status         the arrays of FitMap; a tile is a chunk of each, so that no two workers share one. Its x and
+                              y are named diffuse and specular: dimensions are often named x and y
     tiles/done                a row of counts for each tile, a chunk of its own, written last: a tile without is not there
     .attrs["brdffit"]         what is fitted and how; a run that differs may not go on here
 
@@ -36,9 +37,11 @@ _TRAILING = {"sigma": ("lobe",), "x": ("channel",), "channel_scale": ("channel",
 
 @dataclasses.dataclass(frozen=True)
 class Field:
-    """An array of the maps: what stands behind the spatial axes, and what reads where nothing was written."""
+    """An array of the maps: its name in FitMap and in files, what stands behind the spatial axes, and what reads where
+    nothing was written."""
 
     name: str
+    stored: str
     dtype: str
     shape: tuple[int, ...]
     dims: tuple[str, ...]
@@ -48,7 +51,7 @@ class Field:
 def fields(channels: int, lobes: int) -> list[Field]:
     one = _batch.allocate(1, channels, lobes)
     _batch.blank(one, slice(0, 1), _batch.NOT_REACHED)
-    return [Field(name, array.dtype.str.replace("<", "").replace("|", ""), array.shape[1:], _TRAILING.get(name, ()),
+    return [Field(name, {"x": "diffuse", "y": "specular"}.get(name, name), array.dtype.str.replace("<", "").replace("|", ""), array.shape[1:], _TRAILING.get(name, ()),
                   float("nan") if array.dtype.kind == "f" else int(array.flat[0])) for name, array in one.items()]
 
 
@@ -106,6 +109,13 @@ def _difference(then: Any, now: Any, name: str = "") -> str | None:
     return None if then == now else "%s was %s, and is %s" % (name, json.dumps(then), json.dumps(now))
 
 
+def _manifest_of(group: Any) -> Any:
+    try:
+        return json.loads(group.attrs["brdffit"])
+    except (KeyError, TypeError, ValueError):
+        return None
+
+
 @dataclasses.dataclass(frozen=True)
 class Layout:
     """What is to be there: spatial shape, tile, names of the dimensions (spatial, channel, lobe) and the manifest."""
@@ -126,7 +136,10 @@ def open_maps(output: Any, layout: Layout, overwrite: bool) -> tuple[Any, bool]:
     """The group, made or found, and whether it was there. Nothing but maps of ours is ever replaced."""
     group = _group(output, mode="a")
     manifest = json.loads(json.dumps(layout.manifest))
-    then = group.attrs.get("brdffit")
+    if group.metadata.zarr_format != 3:
+        raise DataError("output %s is a group of zarr format %s: maps need format 3" % (
+            group.store_path, group.metadata.zarr_format), code="argument")
+    then = _manifest_of(group)
     if then is None and (len(group.attrs) > 0 or next(iter(group), None) is not None):
         raise DataError("output %s holds something else than maps of brdffit" % group.store_path, code="argument")
     if then is not None and not overwrite:
@@ -138,7 +151,7 @@ def open_maps(output: Any, layout: Layout, overwrite: bool) -> tuple[Any, bool]:
                         "with overwrite=True" % (group.store_path, found), code="argument")
     if then is not None:
         group = _group(output, mode="w")
-    group.attrs["brdffit"] = manifest  # first: what is interrupted here is found to be ours
+    group.attrs["brdffit"] = json.dumps(manifest)  # a string, as other formats need it; first: what is interrupted here is found to be ours
     _make_arrays(group, layout)
     return group, False
 
@@ -146,8 +159,8 @@ def open_maps(output: Any, layout: Layout, overwrite: bool) -> tuple[Any, bool]:
 def _make_arrays(group: Any, layout: Layout) -> None:
     """Those that are missing."""
     for field in layout.fields:
-        if field.name not in group:
-            group.create_array(field.name, shape=(*layout.spatial, *field.shape), chunks=(*layout.tile, *field.shape),
+        if field.stored not in group:
+            group.create_array(field.stored, shape=(*layout.spatial, *field.shape), chunks=(*layout.tile, *field.shape),
                                dtype=field.dtype, fill_value=field.fill, dimension_names=layout.dims_of(field),
                                attributes=field_attributes(field.name))
     columns = [*COUNTED, *("skipped: " + name for name in SKIPPED)]
@@ -175,10 +188,10 @@ def recorded(group: Any, tile: int) -> list[int] | None:
     return None if row[0] < 0 else row
 
 
-def write_tile(group: Any, tile: int, region: Region, names: Sequence[str], result: Any) -> list[int]:
+def write_tile(group: Any, tile: int, region: Region, written: Sequence[Field], result: Any) -> list[int]:
     """All maps of a tile, then its row."""
-    for name in names:
-        group[name][region] = getattr(result, name)
+    for field in written:
+        group[field.stored][region] = getattr(result, field.name)
     row = counts_of(result)
     group["tiles/done"][tile] = np.array(row, np.int64)
     return row
