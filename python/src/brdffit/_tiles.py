@@ -66,7 +66,7 @@ def warn_of_chunks(spatial: tuple[int, ...], chunks: tuple[int, ...], tile: tupl
         along = ", %d of them along the samples" % along_samples if along_samples > 1 else ""
         warnings.warn("tiles of %s texels cut the stack's chunks of %s texels%s: each chunk is read about %d times. A "
                       "stack with all samples and fewer texels in a chunk is read once" %
-                      (_by(tile), _by(chunks), along, often), ChunkWarning, stacklevel=4)
+                      (_by(tile), _by(chunks), along, often), ChunkWarning, stacklevel=6)
 
 
 def _by(shape: tuple[int, ...]) -> str:

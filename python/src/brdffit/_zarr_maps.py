@@ -132,9 +132,12 @@ class Layout:
         return (*self.dims, *(self.renamed.get(name, name) for name in field.dims))
 
 
-def open_maps(output: Any, layout: Layout, overwrite: bool) -> tuple[Any, bool]:
-    """The group, made or found, and whether it was there. Nothing but maps of ours is ever replaced."""
+def open_maps(output: Any, layout: Layout, overwrite: bool, stack: Any) -> tuple[Any, bool]:
+    """The group, made or found, and whether it was there. Nothing but maps of ours is ever replaced, least of all what
+    holds the `stack` (a zarr array, or None)."""
     group = _group(output, mode="a")
+    if stack is not None and holds(group, stack):
+        raise DataError("values lie inside output %s" % group.store_path, code="argument")
     manifest = json.loads(json.dumps(layout.manifest))
     if group.metadata.zarr_format != 3:
         raise DataError("output %s is a group of zarr format %s: maps need format 3" % (

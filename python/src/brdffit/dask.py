@@ -189,7 +189,8 @@ def _layout(call: _Call, labels: _Labels) -> store.Layout:
 
 def _write(call: _Call, labels: _Labels, output: Any, overwrite: bool, client: Any, threads: int | None, retries: int,
            progress: MapProgressArgument) -> MapArrays:
-    group, _ = store.open_maps(output, _layout(call, labels), overwrite)
+    inside = call.source.values if isinstance(call.source, ZarrSource) else None
+    group, _ = store.open_maps(output, _layout(call, labels), overwrite, inside)
     if client is not None:
         store.need_shared(group)
     labels.write(group)
@@ -297,11 +298,12 @@ def _dataset(maps: MapArrays | FitMap, call_fields: Sequence[store.Field], label
 
     group = maps.group if isinstance(maps, MapArrays) else None
     if group is not None:
-        return xarray.open_zarr(group.store, group=group.path, consolidated=False, chunks={})
+        return xarray.open_zarr(group.store, group=group.path, consolidated=False, chunks={}).unify_chunks()
     layout = store.Layout((), (), 0, (), labels.spatial, labels.renamed, {})
     found = {field.stored: (layout.dims_of(field), getattr(maps, field.name), store.field_attributes(field.name))
              for field in call_fields}
-    return xarray.Dataset(found, coords=labels.coords.variables, attrs={"brdffit": json.dumps(manifest)})
+    out = xarray.Dataset(found, coords=labels.coords.variables, attrs={"brdffit": json.dumps(manifest)})
+    return out.unify_chunks()  # coordinates may have chunks of their own
 
 
 # ---- The call --------------------------------------------------------------------------------------------------------
