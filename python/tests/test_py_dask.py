@@ -353,8 +353,8 @@ def test_little_travels(stack, tmp_path):
     call = brdffit.dask._prepare(brdffit.dask._source(source, 0, -1), light, view, None, None, None, None, 1.0, "status", None,
                                  brdffit.Options())
     block, = call.source.blocks(call.tile, call.regions)
-    job = brdffit.dask.TileJob(0, call.regions[0], call.arguments(call.regions[0]), zarr.open_group(str(tmp_path / "g")), call.fields)
-    assert len(pickle.dumps((job, block))) < 20000 < values.nbytes
+    job = brdffit.dask.TileJob(call.arguments(), call.fields, zarr.open_group(str(tmp_path / "g")))
+    assert len(pickle.dumps(job)) < 20000 < values.nbytes and len(pickle.dumps((call.tile_of(0), block))) < 5000
     assert pickle.loads(pickle.dumps(block)).load().tobytes() == values.tobytes()
 
 

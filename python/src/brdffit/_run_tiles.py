@@ -8,10 +8,10 @@ import concurrent.futures
 import sys
 import threading
 import uuid
-from typing import Any, Callable, Iterator, Sequence
+from typing import Any, Callable, Generator, Iterable
 
 from ._pool import Teller
-from ._tile_job import TileJob, run_store
+from ._tile_job import Tile, TileJob, run_store
 from .errors import OptionError
 
 # How often a job whose input or output failed (OSError) is tried again, in threads; a client retries whatever failed.
@@ -19,7 +19,7 @@ _AGAIN = 2
 # Jobs that wait for a thread, for each thread: their values may be views of an array, or to be computed.
 _QUEUE = 2
 
-Work = tuple[TileJob, Any]  # a job and its block
+Work = Iterable[tuple[Tile, Any]]  # tiles and their blocks
 
 
 def find_client(client: Any) -> Any:
@@ -40,67 +40,73 @@ def find_client(client: Any) -> Any:
     return client
 
 
-def run(work: Sequence[Work], client: Any, threads: int, retries: int, done: int, teller: Teller,
-        each: Callable[[TileJob, list[int]], int]) -> None:
-    """`each` takes a job that ended with its row, and returns its texels. Ends early when the listener wishes so; an
-    error ends it too, and the jobs that were not begun are cancelled."""
-    answers = _distributed(work, client, retries) if client is not None else _threads(work, threads)
+def run(job: TileJob, work: Work, client: Any, threads: int, retries: int, done: int, teller: Teller,
+        texels: Callable[[Tile], int]) -> None:
+    """done: texels that were there already. Ends early when the listener wishes so; an error ends it too, and what was
+    not begun is cancelled."""
+    if teller.listens and teller.tell(done):
+        return
+    answers = _distributed(job, work, client, retries) if client is not None else _threads(job, work, threads)
     try:
-        stop = teller.tell(done) if teller.listens else False
-        if stop:
-            return
-        for job, row in answers:
-            done += each(job, row)
+        for tile in answers:
+            done += texels(tile)
             if teller.listens and teller.tell(done):
                 return
     finally:
-        answers.close()  # type: ignore[attr-defined]  # a generator: cancels what was not begun
+        answers.close()  # cancels what was not begun
 
 
-def _distributed(work: Sequence[Work], client: Any, retries: int) -> Iterator[tuple[TileJob, list[int]]]:
+def _distributed(job: TileJob, work: Work, client: Any, retries: int) -> Generator[Tile, None, None]:
     import dask
     from distributed import as_completed
 
-    run_name = uuid.uuid4().hex[:12]
+    name = uuid.uuid4().hex[:12]
+    # One task of its own, which every tile needs: it travels once, and is there again after a death.
+    common = dask.delayed(job, name="brdffit-job-%s" % name, traverse=False)
     run_one = dask.delayed(run_store, pure=False)
-    jobs = [run_one(job, block, dask_key_name="brdffit-tile-%s-%d" % (run_name, job.number)) for job, block in work]
-    futures = client.compute(jobs, retries=retries)
-    job_of = {future.key: job for future, (job, _) in zip(futures, work)}
+    tiles, tasks = [], []
+    for tile, block in work:
+        tiles.append(tile)
+        tasks.append(run_one(common, tile, block, dask_key_name="brdffit-tile-%s-%d" % (name, tile.number)))
+    futures = client.compute(tasks, retries=retries)
+    tile_of = {future.key: tile for future, tile in zip(futures, tiles)}
     try:
         for future in as_completed(futures):
-            yield job_of[future.key], future.result()
+            future.result()  # raises what the worker did
+            yield tile_of[future.key]
             future.release()
     finally:
         client.cancel([future for future in futures if not future.done()])
 
 
-def _try(job: TileJob, block: Any, stop: threading.Event) -> list[int]:
+def _try(job: TileJob, tile: Tile, block: Any, stop: threading.Event) -> None:
     for again in range(_AGAIN + 1):
         try:
             values = block.compute(scheduler="synchronous") if hasattr(block, "__dask_graph__") else block
-            return job.store(values, stop.is_set)
+            job.store(tile, values, stop.is_set)
+            return
         except OSError:
             if again == _AGAIN or stop.is_set():
                 raise
-    raise AssertionError("not reached")
 
 
-def _threads(work: Sequence[Work], threads: int) -> Iterator[tuple[TileJob, list[int]]]:
+def _threads(job: TileJob, work: Work, threads: int) -> Generator[Tile, None, None]:
     pool = concurrent.futures.ThreadPoolExecutor(threads)
-    waiting: dict[concurrent.futures.Future[list[int]], TileJob] = {}
+    waiting: dict[concurrent.futures.Future[None], Tile] = {}
     left = iter(work)
     stop = threading.Event()
     try:
         while True:
-            for job, block in left:
-                waiting[pool.submit(_try, job, block, stop)] = job
+            for tile, block in left:
+                waiting[pool.submit(_try, job, tile, block, stop)] = tile
                 if len(waiting) >= _QUEUE * threads:
                     break
             if not waiting:
                 return
             ended, _ = concurrent.futures.wait(waiting, return_when=concurrent.futures.FIRST_COMPLETED)
             for future in ended:
-                yield waiting.pop(future), future.result()
+                future.result()
+                yield waiting.pop(future)
     finally:
         stop.set()
         pool.shutdown(wait=True, cancel_futures=True)

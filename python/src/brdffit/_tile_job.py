@@ -35,18 +35,23 @@ class ZarrBlock:
         return self.array[self.index]
 
 
-class TileJob:
-    """A call of `fit_map` for one tile. arguments: its keywords; group: where the maps go, or None.
+class Tile:
+    """Which texels, and what of the arguments is theirs alone."""
 
-    No dataclass: Dask looks into those, and there is nothing for it in here.
+    def __init__(self, number: int, region: Region, own: Mapping[str, Any]) -> None:
+        self.number, self.region, self.own = number, region, own
+
+
+class TileJob:
+    """What all tiles have in common. arguments: keywords of `fit_map`; group: where the maps go, or None.
+
+    Neither of them is a dataclass: Dask looks into those, and there is nothing for it in here.
     """
 
-    def __init__(self, number: int, region: Region, arguments: Mapping[str, Any], group: Any = None,
-                 fields: Sequence[store.Field] = ()) -> None:
-        self.number, self.region, self.arguments = number, region, arguments
-        self.group, self.fields = group, fields
+    def __init__(self, arguments: Mapping[str, Any], fields: Sequence[store.Field], group: Any = None) -> None:
+        self.arguments, self.fields, self.group = arguments, fields, group
 
-    def fit(self, block: Any, stopped: Callable[[], bool] | None = None) -> FitMap:
+    def fit(self, tile: Tile, block: Any, stopped: Callable[[], bool] | None = None) -> FitMap:
         """`stopped` is asked about ten times a second; once it is true, raises `Stopped`."""
         from .maps import fit_map
 
@@ -56,39 +61,40 @@ class TileJob:
         values = block.load() if isinstance(block, ZarrBlock) else np.asarray(block)
         try:
             # One thread of C for a thread of the scheduler: it knows how many processors there are.
-            result: FitMap = fit_map(values, threads=1, progress=None if stopped is None else ask, **self.arguments)
+            result: FitMap = fit_map(values, threads=1, progress=None if stopped is None else ask, **self.arguments,
+                                     **tile.own)
         except BrdffitError as error:
             texel = getattr(error, "texel", None)
             if texel is not None:
-                setattr(error, "texel", tuple(part.start + i for part, i in zip(self.region, texel)))
+                setattr(error, "texel", tuple(part.start + i for part, i in zip(tile.region, texel)))
             raise
         if ask(None):
             raise Stopped("stopped")
         return result
 
-    def arrays(self, block: Any) -> dict[str, Any]:
+    def arrays(self, tile: Tile, block: Any) -> dict[str, Any]:
         """Of one tile, by name, to become chunks of Dask arrays; "": its row of counts."""
-        result = self.fit(block)
+        result = self.fit(tile, block)
         return {"": store.counts_of(result), **{field.name: np.asarray(getattr(result, field.name), field.dtype)
                                                 for field in self.fields}}
 
-    def store(self, block: Any, stopped: Callable[[], bool] | None = None) -> list[int]:
+    def store(self, tile: Tile, block: Any, stopped: Callable[[], bool] | None = None) -> list[int]:
         """Fit and write. A tile that is recorded already is not fitted again: it was done by a worker that died before
         its answer arrived. Returns the row of counts."""
-        row = store.recorded(self.group, self.number)
+        row = store.recorded(self.group, tile.number)
         if row is None:
-            _tell(self.number, "begin")
-            row = store.write_tile(self.group, self.number, self.region, self.fields, self.fit(block, stopped))
-            _tell(self.number, "end")
+            _tell(tile.number, "begin")
+            row = store.write_tile(self.group, tile.number, tile.region, self.fields, self.fit(tile, block, stopped))
+            _tell(tile.number, "end")
         return row
 
 
-def run_store(job: TileJob, block: Any) -> list[int]:
-    return job.store(block)
+def run_store(job: TileJob, tile: Tile, block: Any) -> list[int]:
+    return job.store(tile, block)
 
 
-def run_arrays(job: TileJob, block: Any) -> dict[str, Any]:
-    return job.arrays(block)
+def run_arrays(job: TileJob, tile: Tile, block: Any) -> dict[str, Any]:
+    return job.arrays(tile, block)
 
 
 def pick(arrays: dict[str, Any], name: str) -> Any:

@@ -13,6 +13,7 @@ import warnings
 from typing import Any, Sequence, Union
 
 import numpy as np
+import numpy.typing as npt
 
 from ._pool import count_of
 from .errors import DataError, OptionError
@@ -89,6 +90,15 @@ def stack_index(region: Region, sample_axis: int, channel_axis: int | None) -> R
     for axis in sorted(axis for axis in (sample_axis, channel_axis) if axis is not None):
         index.insert(axis, slice(None))
     return tuple(index)
+
+
+def part(array: npt.NDArray[Any] | None, before: int, region: Region) -> npt.NDArray[Any] | None:
+    """Of an array with `before` axes before the spatial ones, what a tile needs. What was broadcast is not multiplied."""
+    if array is None:
+        return None
+    index = [slice(None)] * before + [slice(0, 1) if array.strides[before + i] == 0 and before > 0 else one
+                                      for i, one in enumerate(region)]
+    return np.ascontiguousarray(array[tuple(index)])
 
 
 def positive_axis(name: str, axis: Any, dims: int) -> int:

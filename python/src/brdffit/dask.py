@@ -25,7 +25,7 @@ from ._arrays import freeze
 from ._geometry import DirectionsLike, Geometry, geometry
 from ._pool import MapProgressArgument, Teller, count_of, processors
 from ._sources import DaskSource, NumpySource, Source, ZarrSource, kind
-from ._tile_job import TOPIC, TileJob, pick, run_arrays
+from ._tile_job import TOPIC, Tile, TileJob, pick, run_arrays
 from ._tiles import ChunkWarning, Region, TileArgument
 from .errors import DataError, OptionError
 from .options import FitOptions, Options
@@ -115,24 +115,28 @@ class _Call:
     regions: Sequence[Region]
     fields: Sequence[store.Field]
 
-    def arguments(self, region: Region) -> dict[str, Any]:
-        """Of `brdffit.fit_map`, for one tile."""
+    def arguments(self) -> dict[str, Any]:
+        """Of `brdffit.fit_map`, for all tiles."""
         shared = self.given.shared
         where: dict[str, Any] = {"light": shared}
         if self.given.own:
-            of_all = (slice(None), *region)
-            light, view, normal = self.given.light, self.given.view, self.given.normal
-            where = {"light": shared.light if light is None else np.ascontiguousarray(light[of_all]),
-                     "view": shared.view if view is None else np.ascontiguousarray(view[of_all]),
-                     "weights": shared.weights, "quantity": shared.quantity}
-            if normal is not None:
-                where["normal"] = np.ascontiguousarray(normal[region])
-            elif shared.normal is not None:
+            where = {"weights": shared.weights, "quantity": shared.quantity}
+            for name in ("light", "view"):
+                if getattr(self.given, name) is None:
+                    where[name] = getattr(shared, name)
+            if self.given.normal is None and shared.normal is not None:
                 where["normal"] = shared.normal[0]
-        mask = None if self.mask is None else np.ascontiguousarray(self.mask.reshape(self.source.spatial)[region])
         asked = {field.name: getattr(self.options, field.name) for field in dataclasses.fields(self.options)}
-        return {**where, "mask": mask, "scale": self.scale, "sample_axis": self.source.sample_axis,
+        return {**where, "scale": self.scale, "sample_axis": self.source.sample_axis,
                 "channel_axis": self.source.channel_axis, "errors": self.errors, **asked}
+
+    def tile_of(self, number: int) -> Tile:
+        """With the arguments that are its own."""
+        region, given = self.regions[number], self.given
+        mask = None if self.mask is None else self.mask.reshape(self.source.spatial)
+        own = {"light": _tiles.part(given.light, 1, region), "view": _tiles.part(given.view, 1, region),
+               "normal": _tiles.part(given.normal, 0, region), "mask": _tiles.part(mask, 0, region)}
+        return Tile(number, region, {name: array for name, array in own.items() if array is not None})
 
     def about(self) -> dict[str, Any]:
         return {"options": self.options, "quantity": self.given.shared.quantity, "samples": self.source.samples,
@@ -197,12 +201,13 @@ def _write(call: _Call, labels: _Labels, output: Any, overwrite: bool, client: A
     there = store.read_counts(group)[:, 0] >= 0
     sizes = [math.prod(_tiles.shape_of(region)) for region in call.regions]
     blocks = call.source.blocks(call.tile, call.regions)
-    work = [(TileJob(i, region, call.arguments(region), group, call.fields), blocks[i])
-            for i, region in enumerate(call.regions) if not there[i]]
+    missing = [int(i) for i in np.flatnonzero(~there)]
+    work = ((call.tile_of(i), blocks[i]) for i in missing)
     teller = Teller(progress, sum(sizes))
     try:
-        _run_tiles.run(work, client, min(count_of("threads", threads, processors()), max(1, len(work))), retries,
-                       sum(size for size, done in zip(sizes, there) if done), teller, lambda job, row: sizes[job.number])
+        _run_tiles.run(TileJob(call.arguments(), call.fields, group), work, client,
+                       min(count_of("threads", threads, processors()), max(1, len(missing))), retries,
+                       sum(sizes) - sum(sizes[i] for i in missing), teller, lambda tile: sizes[tile.number])
     finally:
         teller.close()
     return MapArrays({field.name: group[field.stored] for field in call.fields}, None, call.about(), group)
@@ -225,8 +230,9 @@ def _lazy(call: _Call) -> MapArrays:
     token = dask.base.tokenize(call.manifest(mark=False), call.source.values)
     run, take = dask.delayed(run_arrays, pure=False), dask.delayed(pick, pure=False)
     blocks = call.source.blocks(call.tile, call.regions)
-    fitted = [run(TileJob(i, region, call.arguments(region), None, call.fields), blocks[i],
-                  dask_key_name="brdffit-tile-%s-%d" % (token, i)) for i, region in enumerate(call.regions)]
+    common = dask.delayed(TileJob(call.arguments(), call.fields), name="brdffit-job-%s" % token, traverse=False)
+    fitted = [run(common, call.tile_of(i), blocks[i], dask_key_name="brdffit-tile-%s-%d" % (token, i))
+              for i in range(len(call.regions))]
     counts = [-(-size // step) for size, step in zip(call.source.spatial, call.tile)]
     arrays = {}
     for field in call.fields:
@@ -382,8 +388,8 @@ def _here(call: _Call, labels: _Labels, threads: int | None, progress: MapProgre
     """A DataArray in memory, without output or client: as brdffit.fit_map does."""
     from .maps import fit_map as local
 
-    whole = call.arguments(tuple(slice(0, size) for size in call.source.spatial))
-    maps = local(call.source.values, threads=threads, progress=progress, **whole)
+    call = dataclasses.replace(call, regions=[tuple(slice(0, size) for size in call.source.spatial)])
+    maps = local(call.source.values, threads=threads, progress=progress, **call.arguments(), **call.tile_of(0).own)
     return _dataset(maps, call.fields, labels, call.manifest(mark=False))
 
 
