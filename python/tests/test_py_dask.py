@@ -185,6 +185,29 @@ def test_resume(stack, local, tmp_path):
     assert [p.done for p in told] == [480]  # nothing left
 
 
+def test_failures_that_pass(stack, local, tmp_path, monkeypatch):
+    """A file system that fails now and then is asked again; one that fails for good ends the run, which goes on later."""
+    values, light, view = stack
+    whole, failed = brdffit.dask.TileJob.fit, []
+
+    def flaky(self, tile, block, stopped=None):
+        if failed.count(tile.number) < times[0]:
+            failed.append(tile.number)
+            raise OSError("the disk is away")
+        return whole(self, tile, block, stopped)
+
+    monkeypatch.setattr(brdffit.dask.TileJob, "fit", flaky)
+    times = [2]
+    ask = {"output": tmp_path / "m.zarr", "tile": (10, 24), "threads": 1}
+    same_bits(brdffit.fit_map(values, light, view, **ask).load(), local)
+    assert sorted(failed) == [0, 0, 1, 1]
+    failed.clear()
+    times = [3]
+    with pytest.raises(OSError, match="the disk is away"):
+        brdffit.fit_map(values, light, view, **dict(ask, output=tmp_path / "n.zarr"))
+    same_bits(brdffit.fit_map(values, light, view, **dict(ask, output=tmp_path / "n.zarr")).load(), local)
+
+
 def test_what_may_not_go_on(stack, tmp_path):
     values, light, view = stack
     values = values[:, :4, :4]

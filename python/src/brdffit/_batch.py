@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import collections
 import ctypes
-import dataclasses
 import hashlib
 import threading
 from ctypes import POINTER, byref
@@ -119,8 +118,7 @@ def _content(geometry: Samples) -> bytes:
 
 def plan_for(geometry: Samples, channels: int, options: Options) -> Plan:
     """The plan of a geometry (a `Samples` whose values are not looked at); the last few are kept."""
-    key = (len(geometry), geometry.form, geometry.quantity, _content(geometry), channels,
-           dataclasses.astuple(options))
+    key = (len(geometry), geometry.form, geometry.quantity, _content(geometry), channels, bytes(options._struct()))
     with _plans_lock:
         plan = _plans.get(key)
         if plan is None:
@@ -232,6 +230,7 @@ def fit_tile(values: Values, geometry: Samples, options: Options, *, mask: npt.A
         makes one. Every argument can be pickled; the plan is made once a process. Results do not depend on which other
         texels are in the array; counts `equal`, `boxes` and `nodes` do where neighbours are equal.
     """
+    options = options._plain()
     stack = Stack(values, sample_axis, channel_axis)
     check_geometry(stack, geometry)
     plan = plan_for(geometry, stack.channels, options)
@@ -242,4 +241,4 @@ def fit_tile(values: Values, geometry: Samples, options: Options, *, mask: npt.A
 
 
 def shaped(results: Mapping[str, npt.NDArray[Any]], spatial: tuple[int, ...]) -> Arrays:
-    return {name: array.reshape(*spatial, *array.shape[1:]) for name, array in results.items()}
+    return {name: array.reshape((*spatial, *array.shape[1:])) for name, array in results.items()}

@@ -22,8 +22,9 @@ def _shape(fits: FitMap) -> str:
 
 
 def title(fits: FitMap) -> str:
-    return "%d samples of %s texels, %d channel%s" % (fits.samples, _shape(fits), fits.channels,
-                                                     "" if fits.channels == 1 else "s")
+    return "%d samples of %s texel%s, %d channel%s" % (
+        fits.samples, _shape(fits), "" if fits.status.size == 1 else "s", fits.channels,
+        "" if fits.channels == 1 else "s")
 
 
 def statuses(fits: FitMap) -> list[tuple[str, str]]:
@@ -71,7 +72,8 @@ def bad(fits: FitMap) -> str:
 
 def _lines(fits: FitMap) -> list[str]:
     counted = ", ".join("%s %s" % pair for pair in statuses(fits))
-    out = ["Fitted: %s texels%s." % (format(fits.status.size, ","), ": " + counted if counted else "")]
+    out = ["Fitted: %s texel%s%s." % (format(fits.status.size, ","), "" if fits.status.size == 1 else "s",
+                                      ": " + counted if counted else "")]
     if bad(fits):
         out.append(bad(fits))
     if fits.seconds > 0:

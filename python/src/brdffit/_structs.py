@@ -125,15 +125,15 @@ class Options(ctypes.Structure):
 
 
 class Model(ctypes.Structure):
-    """brdffit_model"""
+    """brdffit_model; arrays as bare addresses"""
 
     _fields_ = [
         ("distribution", c_int),
         ("lobes", c_int),
         ("channels", c_size_t),
         ("sigma", c_double * MAX_LOBES),
-        ("x", POINTER(c_double)),
-        ("y", POINTER(c_double)),
+        ("x", c_void_p),
+        ("y", c_void_p),
     ]
 
 
@@ -154,13 +154,13 @@ class Lobe(ctypes.Structure):
 
 
 class Result(ctypes.Structure):
-    """brdffit_result"""
+    """brdffit_result; arrays as bare addresses"""
 
     _fields_ = [
         ("model", Model),
         ("lobe", Lobe * MAX_LOBES),
-        ("channel_scale", POINTER(c_double)),
-        ("rms", POINTER(c_double)),
+        ("channel_scale", c_void_p),
+        ("rms", c_void_p),
         ("rms_total", c_double),
         ("e2", c_double),
         ("e2_error", c_double),

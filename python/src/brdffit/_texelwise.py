@@ -22,16 +22,14 @@ _OK, _VALUE, _NO_SAMPLES = (structs.STATUS.index(word) for word in ("ok", "value
 
 
 def check(given: Geometry, samples: int, channels: int, options: Options) -> None:
-    """Options and sizes that no texel could be fitted with fail here, once."""
+    """Options, sizes, and weights and directions of all texels that cannot be used fail here, once."""
     core = library().core
-    c_options = options._struct()
+    c_options, c_samples, error = options._struct(), given.shared._struct(), structs.Error()
     _batch.check_build(c_options)
+    # Having no sample left is no failure yet: a texel's own directions may leave some.
+    if core.brdffit_inspect(byref(c_samples), byref(c_options), None, None, byref(error)) not in (_OK, _NO_SAMPLES):
+        raise from_struct(error, path=given.shared.file, lines=given.shared.lines)
     if core.brdffit_workspace_size(samples, channels, byref(c_options)) == 0:
-        # Which of the two it is, is for the library to say.
-        c_samples, error = given.shared._struct(), structs.Error()
-        c_samples.channels = channels
-        if core.brdffit_inspect(byref(c_samples), byref(c_options), None, None, byref(error)) != 0:
-            raise from_struct(error)
         raise DataError("%d samples and %d channels cannot be fitted" % (samples, channels), code="argument")
 
 
@@ -46,8 +44,13 @@ def _at(structure: type[ctypes.Structure], *names: str) -> int:
 
 
 _SIGMA, _X, _Y = (_at(structs.Result, "model", name) for name in ("sigma", "x", "y"))
-_SCALE, _E2, _BOUND, _SQUARES = (_at(structs.Result, name)
-                                 for name in ("channel_scale", "e2", "lower_bound", "sum_of_squares"))
+_SCALE, _BOXES, _NODES, _SKIPPED = (_at(structs.Result, name)
+                                    for name in ("channel_scale", "boxes", "nodes", "samples_skipped"))
+_NUMBERS = tuple((name, _at(structs.Result, name)) for name in ("e2", "lower_bound", "sum_of_squares"))
+_SQUARES = _NUMBERS[2][1]
+
+# As structs.ProgressFunction, without an object for what is not looked at.
+_CancelFunction = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
 
 
 class Worker:
@@ -62,15 +65,24 @@ class Worker:
         self.given, self.stack, self.mask, self.scale = given, stack, mask, scale
         self.to, self.lobes = results, options.lobes
         self.options, self.cancelled = options._struct(), cancelled
-        self._progress = structs.ProgressFunction(lambda user, progress: int(cancelled()))
-        self.options.progress = self._progress
+        self._progress = _CancelFunction(lambda user, progress: cancelled())
+        self.options.progress = ctypes.cast(self._progress, structs.ProgressFunction)
         self.samples = given.shared._struct()
         self.samples.channels = stack.channels
         size = core.brdffit_workspace_size(stack.samples, stack.channels, byref(self.options))
-        self.workspace = np.empty(size // 8 + 2)  # doubles, so that results in it are elements
+        self.workspace = np.empty(max(1, size), np.uint8)  # its pages exist once they are touched
         self.result, self.error = structs.Result(), structs.Error()
-        self._words = np.frombuffer(memoryview(self.result).cast("B"), np.uintp, ctypes.sizeof(self.result) // 8)
-        self._doubles = self._words.view(np.float64)
+        self._arguments = (byref(self.samples), byref(self.options), self.workspace.ctypes.data, size,
+                           byref(self.result), byref(self.error))
+        # Memory as numbers: an element is read and written much faster than through ctypes or numpy.
+        whole = memoryview(self.result).cast("B")
+        self._words, self._doubles = whole.cast("P"), whole.cast("d")
+        self._out: dict[str, Any] = {name: array.data for name, array in results.items() if array.ndim == 1}
+        row = 8 * options.lobes
+        self._rows = tuple((results[name].ctypes.data, width, pointer) for name, width, pointer in (
+            ("x", 8 * stack.channels, _X), ("y", row * stack.channels, _Y),
+            ("channel_scale", 8 * stack.channels, _SCALE)))
+        self._sigma = (results["sigma"].ctypes.data, row, ctypes.addressof(self.result) + 8 * _SIGMA)
         self._call: Callable[..., int] = core.brdffit_fit
         self._counts = dict.fromkeys((*_batch.COUNTS, "no_samples"), 0)
         self._skipped = dict.fromkeys(structs.SKIP, 0)
@@ -96,7 +108,8 @@ class Worker:
         out = np.empty((count, self.stack.samples, self.stack.channels))
         for block in self.stack.blocks(first, count):
             at = block.first - first
-            np.multiply(block.values.swapaxes(0, 1), self.scale, out=out[at:at + block.texels], dtype=np.float64)
+            with np.errstate(all="ignore"):  # what overflows is a bad value
+                np.multiply(block.values.swapaxes(0, 1), self.scale, out=out[at:at + block.texels], dtype=np.float64)
         return out
 
     def _own(self, first: int, count: int) -> dict[str, Floats]:
@@ -119,8 +132,7 @@ class Worker:
         self._counts[_batch.STATUS[status]] += 1
 
     def _one(self, texel: int) -> None:
-        status = self._call(byref(self.samples), byref(self.options), self.workspace.ctypes.data,
-                            self.workspace.nbytes, byref(self.result), byref(self.error))
+        status = self._call(*self._arguments)
         if status == _OK:
             self._publish(texel)
         elif status == _NO_SAMPLES:
@@ -135,30 +147,25 @@ class Worker:
             raise from_struct(self.error)
 
     def _publish(self, texel: int) -> None:
-        r, doubles, counts = self.result, self._doubles, self._counts
-        squares = doubles[_SQUARES]
-        status = _batch.NO_SIGNAL if not squares > 0 else _batch.CERTIFIED if r.certified else _batch.OPEN
-        to = self.to
-        to["sigma"][texel] = doubles[_SIGMA:_SIGMA + self.lobes]
-        to["x"][texel] = self._array(_X, self.stack.channels)
-        to["y"][texel] = self._array(_Y, self.stack.channels * self.lobes).reshape(-1, self.lobes)
-        to["channel_scale"][texel] = self._array(_SCALE, self.stack.channels)
-        to["e2"][texel], to["lower_bound"][texel] = doubles[_E2], doubles[_BOUND]
-        to["sum_of_squares"][texel] = squares
-        to["status"][texel], to["stop"][texel] = status, r.stop if status != _batch.NO_SIGNAL else _batch.NO_STOP
-        to["where"][texel], to["boxes"][texel] = -1, r.boxes
+        words, doubles, out, counts = self._words, self._doubles, self._out, self._counts
+        status = (_batch.NO_SIGNAL if not doubles[_SQUARES] > 0 else
+                  _batch.CERTIFIED if self.result.certified else _batch.OPEN)
+        to, width, start = self._sigma
+        ctypes.memmove(to + width * texel, start, width)
+        for to, width, pointer in self._rows:
+            ctypes.memmove(to + width * texel, words[pointer], width)
+        for name, at in _NUMBERS:
+            out[name][texel] = doubles[at]
+        out["status"][texel] = status
+        out["stop"][texel] = _batch.NO_STOP if status == _batch.NO_SIGNAL else self.result.stop
+        out["where"][texel], out["boxes"][texel] = -1, words[_BOXES]
         counts["texels"] += 1
         counts[_batch.STATUS[status]] += 1
         counts["general"] += status != _batch.NO_SIGNAL
-        counts["boxes"] += r.boxes
-        counts["nodes"] += r.nodes
+        counts["boxes"] += words[_BOXES]
+        counts["nodes"] += words[_NODES]
         for i, reason in enumerate(structs.SKIP):
-            self._skipped[reason] += r.samples_skipped[i]
-
-    def _array(self, pointer: int, count: int) -> Floats:
-        """What a pointer of the result points to: doubles inside of the workspace."""
-        at = (int(self._words[pointer]) - self.workspace.ctypes.data) // 8
-        return self.workspace[at:at + count]
+            self._skipped[reason] += words[_SKIPPED + i]
 
     def counts(self) -> dict[str, int]:
         return self._counts

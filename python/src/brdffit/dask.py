@@ -344,8 +344,7 @@ def fit_map(values: Any, light: DirectionsLike, view: npt.ArrayLike | None = Non
 
     Raises as brdffit.fit_map does, and `DataError` when `output` holds something else.
     """
-    asked = Options(**options)
-    asked._struct()
+    asked = Options(**options)._plain()
     _batch_errors(errors)
     wrapped = values if kind(values) == "xarray" else None
     if wrapped is not None:

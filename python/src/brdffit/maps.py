@@ -212,14 +212,13 @@ def fit_map(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike | 
     Raises `OptionError` and `DataError` for arguments, shapes and directions that cannot be used, `UnsupportedError` for
     what needs ECOS in a build without. An exception in `progress`, or Ctrl-C, ends the call within a tile.
     """
-    if output is not None or client is not None or scaled.is_scaled(values):
+    if output is not None or client or scaled.is_scaled(values):
         out: FitMap = scaled.fit_map(
             values, light, view, normal=normal, weights=weights, mask=mask, quantity=quantity, scale=scale,
             sample_axis=sample_axis, channel_axis=channel_axis, threads=threads, tile=tile, errors=errors,
             progress=progress, output=output, client=client, overwrite=overwrite, retries=retries, **options)
         return out
-    asked = Options(**options)
-    asked._struct()  # wrong options fail here
+    asked = Options(**options)._plain()  # wrong options fail here
     choose("errors", errors, ("status", "raise"))
     stack = Stack(values, sample_axis, channel_axis)  # type: ignore[arg-type]  # says that they cannot be names
     given = geometry(light, view, normal, weights, quantity, stack.samples, stack.spatial)

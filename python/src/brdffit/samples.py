@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import weakref
 from ctypes import POINTER, byref, pointer
 from typing import Any, Mapping, Sequence, Union
 
@@ -204,6 +205,12 @@ class Samples:
 
     def _struct(self) -> structs.Samples:
         """Points into this object's arrays: keep it alive."""
+        made = _STRUCTS.get(self)
+        if made is None:
+            made = _STRUCTS[self] = bytes(self._make())
+        return structs.Samples.from_buffer_copy(made)
+
+    def _make(self) -> structs.Samples:
         out = library().samples()
         out.count, out.channels = self.values.shape
         out.form = structs.FORM.index(self.form)
@@ -211,6 +218,10 @@ class Samples:
         for name in _ARRAYS:
             setattr(out, name, address(getattr(self, name)))
         return out
+
+
+# What _struct gives copies of. Not kept in the object, which travels: addresses do not.
+_STRUCTS: weakref.WeakKeyDictionary[Samples, bytes] = weakref.WeakKeyDictionary()
 
 
 def _rows(values: npt.ArrayLike) -> Floats:
