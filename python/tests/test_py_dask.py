@@ -133,8 +133,14 @@ def test_xarray(stack, local, tmp_path, way):
     assert got.diffuse.sel(rgb="g").values.tobytes() == local.x[..., 1].tobytes()
     for field in brdffit.dask.store.fields(3, 1):
         assert got[field.stored].values.tobytes() == getattr(local, field.name).tobytes(), field.name
+    if "output" in more:  # all there: nothing is fitted again
+        told = []
+        again = brdffit.fit_map(array, light, view, **axes, **more, progress=told.append)
+        assert [p.done for p in told] == [480] and again.compute().identical(got)
     with pytest.raises(brdffit.DataError, match="none named 'samples'"):
         brdffit.fit_map(array, light, view, sample_axis="samples")
+    with pytest.raises(brdffit.DataError, match="coordinate 'e2', as a map is called"):
+        brdffit.fit_map(array.rename(scan="e2"), light, view, **axes)
 
 
 def test_a_texels_own(stack, tmp_path):

@@ -4,6 +4,7 @@ import re
 import shutil
 import signal
 import subprocess
+import zlib
 
 import numpy as np
 import pytest
@@ -151,6 +152,26 @@ def test_changed_lines(desk):
     for stamp in ['"part":2', '"part":01', '"of":0', '"position":0', '"files":0', '"files":99999999999999999999']:
         name = stamp.split(":")[0]
         merge(desk, "-", stdin=re.sub(name + r':\d+', stamp, line.decode()).encode(), expect=3)
+
+
+def stamped(line, part, of, position, files):
+    """The line with another stamp, and its checksum."""
+    head = line.partition(',"shard":')[0] + ',"shard":{"part":%d,"of":%d,"position":%d,"files":%d,"run":"%016x"' % (
+        part, of, position, files, 7)
+    return head + ',"crc32":"%08x"}}\n' % zlib.crc32(head.encode())
+
+
+def test_claims_beyond_reason(desk):
+    """Stamps that are in order but tell of more than there could be."""
+    fit_parts(desk, 1, files=["single.csv"])
+    line = (desk / "part-1.json").read_text()
+    huge = 2**64 - 1
+    for numbers, says in [((1, 1, 1, huge), "%d of %d files are missing: part 1/1 (only 1 of %d)\n" % (huge - 1, huge, huge)),
+                          ((1, huge, 1, huge), "part 2/%d, part 3/" % huge), ((huge, huge, huge, huge), "part 1/%d, part 2/" % huge),
+                          ((2, 1, 1, 3), "not as it was written"), ((2, 3, 4, 9), "not as it was written"),
+                          ((1, 1, 4, 3), "not as it was written")]:
+        assert says in merge(desk, "-", stdin=stamped(line, *numbers).encode(), expect=3).stderr, numbers
+    assert merge(desk, "-", stdin=stamped(line, 1, 1, 1, 1).encode()).stdout == line.partition(',"shard":')[0] + "}\n"
 
 
 def test_an_interrupted_part(desk):

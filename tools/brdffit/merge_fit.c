@@ -18,7 +18,7 @@
 typedef struct entry {
     const char *line;  /* ends with a NUL */
     size_t length;     /* before the stamp */
-    size_t position;
+    size_t part, position;
     size_t source, row; /* file and line, for messages */
 } entry;
 
@@ -111,11 +111,12 @@ static int add_entry(merger *m, const entry *e)
 static int read_line(merger *m, const char *line, size_t source, size_t row)
 {
     cli_shard shard;
-    entry e = {line, 0, 0, source, row};
+    entry e = {line, 0, 0, 0, source, row};
     const char *why;
     e.length = brdffit_cli_shard_read(line, &shard, &e.position, &why);
     if (why != NULL)
         return refuse(m, source, row, why);
+    e.part = shard.part;
     int code = check_run(m, &shard, source, row);
     if (code != 0)
         return code;
@@ -149,11 +150,6 @@ static int read_part(merger *m, size_t source)
 
 /* ---- Is it all there, and once? ---------------------------------------- */
 
-static size_t part_of(const merger *m, size_t position)
-{
-    return (position - 1) % m->run.of + 1;
-}
-
 static int by_position(const void *a, const void *b)
 {
     const entry *const one = a, *const other = b;
@@ -170,62 +166,47 @@ static int check_once(const merger *m)
         const entry *const one = &m->entries[i - 1], *const other = &m->entries[i];
         if (one->position != other->position)
             continue;
-        fprintf(stderr, "brdffit merge: file %zu of the run, in part %zu/%zu, is there twice: %s, line %zu, and %s, line %zu\n",
-                one->position, part_of(m, one->position), m->run.of, m->settings->files[one->source], one->row,
+        fprintf(stderr,
+                "brdffit merge: file %zu of the run, in part %zu/%zu, is there twice: %s, line %zu, and %s, line %zu\n",
+                one->position, one->part, m->run.of, m->settings->files[one->source], one->row,
                 m->settings->files[other->source], other->row);
         return CLI_EXIT_DATA;
     }
     return 0;
 }
 
-static int is_there(const merger *m, size_t position)
+static int by_part(const void *a, const void *b)
 {
-    size_t low = 0, high = m->count; /* the first that is not before it */
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (m->entries[middle].position < position)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low < m->count && m->entries[low].position == position;
-}
-
-/* How many files of a part have a line. */
-static size_t lines_of(const merger *m, size_t part, size_t *wanted)
-{
-    size_t there = 0;
-    *wanted = 0;
-    for (size_t position = part; position <= m->run.files; position += m->run.of) {
-        there += (size_t)is_there(m, position);
-        ++*wanted;
-    }
-    return there;
+    const entry *const one = a, *const other = b;
+    if (one->part != other->part)
+        return one->part < other->part ? -1 : 1;
+    return by_position(a, b);
 }
 
 #define PARTS_SHOWN 12
 
-/* Which parts to run again. */
-static int check_all(const merger *m)
+/* Which parts to run again. Work and words stay bounded whatever numbers the
+ * lines claim: a part that is whole has lines, and of others few are shown. */
+static int check_all(merger *m)
 {
     if (m->count == m->run.files)
         return 0;
     fprintf(stderr, "brdffit merge: %zu of %zu files are missing:", m->run.files - m->count, m->run.files);
-    const char *separator = " ";
-    size_t shown = 0;
+    qsort(m->entries, m->count, sizeof *m->entries, by_part);
+    size_t shown = 0, at = 0;
     for (size_t part = 1; part <= m->run.of && part <= m->run.files; part++) {
-        size_t wanted;
-        const size_t there = lines_of(m, part, &wanted);
-        if (there == wanted)
+        const size_t wanted = (m->run.files - part) / m->run.of + 1, first = at;
+        while (at < m->count && m->entries[at].part == part)
+            at++;
+        if (at - first == wanted)
             continue;
-        if (shown++ == PARTS_SHOWN) {
+        if (shown == PARTS_SHOWN) {
             fputs(", ...", stderr);
             break;
         }
-        fprintf(stderr, "%spart %zu/%zu", separator, part, m->run.of);
-        if (there > 0)
-            fprintf(stderr, " (only %zu of %zu)", there, wanted);
-        separator = ", ";
+        fprintf(stderr, "%s part %zu/%zu", shown++ > 0 ? "," : "", part, m->run.of);
+        if (at > first)
+            fprintf(stderr, " (only %zu of %zu)", at - first, wanted);
     }
     fputc('\n', stderr);
     return CLI_EXIT_DATA;

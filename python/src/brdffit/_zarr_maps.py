@@ -51,8 +51,9 @@ class Field:
 def fields(channels: int, lobes: int) -> list[Field]:
     one = _batch.allocate(1, channels, lobes)
     _batch.blank(one, slice(0, 1), _batch.NOT_REACHED)
-    return [Field(name, {"x": "diffuse", "y": "specular"}.get(name, name), array.dtype.str.replace("<", "").replace("|", ""), array.shape[1:], _TRAILING.get(name, ()),
-                  float("nan") if array.dtype.kind == "f" else int(array.flat[0])) for name, array in one.items()]
+    return [Field(name, {"x": "diffuse", "y": "specular"}.get(name, name), array.dtype.name, array.shape[1:],
+                  _TRAILING.get(name, ()), float("nan") if array.dtype.kind == "f" else int(array.flat[0]))
+            for name, array in one.items()]
 
 
 def field_attributes(name: str) -> dict[str, Any]:
@@ -154,7 +155,8 @@ def open_maps(output: Any, layout: Layout, overwrite: bool, stack: Any) -> tuple
                         "with overwrite=True" % (group.store_path, found), code="argument")
     if then is not None:
         group = _group(output, mode="w")
-    group.attrs["brdffit"] = json.dumps(manifest)  # a string, as other formats need it; first: what is interrupted here is found to be ours
+    # First, so that what is interrupted here is found to be ours; a string, as other formats know no more.
+    group.attrs["brdffit"] = json.dumps(manifest)
     _make_arrays(group, layout)
     return group, False
 

@@ -11,7 +11,6 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
 import time
 from typing import TYPE_CHECKING, Any, Iterator, Mapping, Sequence
@@ -19,16 +18,18 @@ from typing import TYPE_CHECKING, Any, Iterator, Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from . import _batch, _run_tiles, _texelwise, _tiles
+from . import _batch, _labels, _run_tiles, _texelwise, _tiles
 from . import _zarr_maps as store
 from ._arrays import freeze
 from ._geometry import DirectionsLike, Geometry, geometry
+from ._labels import Labels
 from ._pool import MapProgressArgument, Teller, count_of, processors
 from ._sources import DaskSource, NumpySource, Source, ZarrSource, kind
 from ._tile_job import TOPIC, Tile, TileJob, pick, run_arrays
 from ._tiles import ChunkWarning, Region, TileArgument
-from .errors import DataError, OptionError
+from .errors import OptionError
 from .options import FitOptions, Options
+from .samples import choose
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -186,12 +187,12 @@ def _prepare(source: Source, light: DirectionsLike, view: Any, normal: Any, weig
 # ---- With an output: now, tile by tile -------------------------------------------------------------------------------
 
 
-def _layout(call: _Call, labels: _Labels) -> store.Layout:
+def _layout(call: _Call, labels: Labels) -> store.Layout:
     return store.Layout(call.source.spatial, call.tile, len(call.regions), call.fields, labels.spatial, labels.renamed,
                         call.manifest(mark=True))
 
 
-def _write(call: _Call, labels: _Labels, output: Any, overwrite: bool, client: Any, threads: int | None, retries: int,
+def _write(call: _Call, labels: Labels, output: Any, overwrite: bool, client: Any, threads: int | None, retries: int,
            progress: MapProgressArgument) -> MapArrays:
     inside = call.source.values if isinstance(call.source, ZarrSource) else None
     group, _ = store.open_maps(output, _layout(call, labels), overwrite, inside)
@@ -253,65 +254,6 @@ def _wrap(nested: Any, depth: int) -> Any:
     return [nested] if depth == 0 else [_wrap(one, depth - 1) for one in nested]
 
 
-# ---- Names of axes ---------------------------------------------------------------------------------------------------
-
-
-@dataclasses.dataclass(frozen=True)
-class _Labels:
-    """Names of the spatial dimensions and of the others, and the coordinates to keep (an xarray Dataset, or None)."""
-
-    spatial: tuple[str, ...]
-    renamed: Mapping[str, str]
-    coords: Any = None
-
-    def write(self, group: Any) -> None:
-        if self.coords is None or not self.coords.variables or any(name in group for name in self.coords.variables):
-            return
-        import warnings
-
-        with warnings.catch_warnings():  # strings have no type in zarr's specification yet
-            warnings.simplefilter("ignore")
-            self.coords.to_zarr(group.store, group=group.path, mode="a", zarr_format=group.metadata.zarr_format,
-                                consolidated=False)
-
-
-def _plain_labels(source: Source) -> _Labels:
-    dims = ("row", "column") if len(source.spatial) == 2 else tuple("dim_%d" % i for i in range(len(source.spatial)))
-    return _Labels(dims, {})
-
-
-def _axis_of(name: str, axis: Any, dims: tuple[str, ...]) -> Any:
-    """An axis by number or by its dimension's name."""
-    if isinstance(axis, str):
-        if axis not in dims:
-            raise DataError("%s: values have dimensions %s, and none named %r" % (name, dims, axis), code="argument")
-        return dims.index(axis)
-    return axis
-
-
-def _xarray_labels(values: Any, source: Source) -> _Labels:
-    dims = tuple(str(dim) for dim in values.dims)
-    renamed = {} if source.channel_axis is None else {"channel": dims[source.channel_axis]}
-    renamed["lobe"] = "lobe" if "lobe" not in dims else "brdffit_lobe"
-    coords = values.coords.to_dataset()
-    kept = coords.drop_vars([name for name in coords.variables if dims[source.sample_axis] in coords[name].dims])
-    return _Labels(tuple(dims[a] for a in source.axes), renamed, kept)
-
-
-def _dataset(maps: MapArrays | FitMap, call_fields: Sequence[store.Field], labels: _Labels, manifest: Any) -> Any:
-    """Maps as an xarray Dataset, with the coordinates of the stack."""
-    import xarray
-
-    group = maps.group if isinstance(maps, MapArrays) else None
-    if group is not None:
-        return xarray.open_zarr(group.store, group=group.path, consolidated=False, chunks={}).unify_chunks()
-    layout = store.Layout((), (), 0, (), labels.spatial, labels.renamed, {})
-    found = {field.stored: (layout.dims_of(field), getattr(maps, field.name), store.field_attributes(field.name))
-             for field in call_fields}
-    out = xarray.Dataset(found, coords=labels.coords.variables, attrs={"brdffit": json.dumps(manifest)})
-    return out.unify_chunks()  # coordinates may have chunks of their own
-
-
 # ---- The call --------------------------------------------------------------------------------------------------------
 
 
@@ -345,16 +287,17 @@ def fit_map(values: Any, light: DirectionsLike, view: npt.ArrayLike | None = Non
     Raises as brdffit.fit_map does, and `DataError` when `output` holds something else.
     """
     asked = Options(**options)._plain()
-    _batch_errors(errors)
+    choose("errors", errors, ("status", "raise"))
     wrapped = values if kind(values) == "xarray" else None
     if wrapped is not None:
         dims = tuple(str(dim) for dim in wrapped.dims)
-        sample_axis, channel_axis = (_axis_of(n, a, dims) for n, a in (("sample_axis", sample_axis),
+        sample_axis, channel_axis = (_labels.axis_of(n, a, dims) for n, a in (("sample_axis", sample_axis),
                                                                        ("channel_axis", channel_axis)))
         values = _data(wrapped, sample_axis, channel_axis, tile, output is not None or bool(client))
     source = _source(values, sample_axis, channel_axis)
-    labels = _plain_labels(source) if wrapped is None else _xarray_labels(wrapped, source)
+    labels = _labels.plain(source) if wrapped is None else _labels.of_xarray(wrapped, source)
     call = _prepare(source, light, view, normal, weights, mask, quantity, scale, errors, tile, asked)
+    labels.check(call.fields)
     if output is not None:
         return _write_all(call, labels, wrapped, output, overwrite, client, threads, retries, progress)
     if wrapped is not None and isinstance(source, NumpySource):
@@ -364,32 +307,26 @@ def fit_map(values: Any, light: DirectionsLike, view: npt.ArrayLike | None = Non
                           "computed", code="option")
     _need("dask")
     maps = _lazy(call)
-    return maps if wrapped is None else _dataset(maps, call.fields, labels, call.manifest(mark=False))
+    return maps if wrapped is None else _labels.dataset(maps, call.fields, labels, call.manifest(mark=False))
 
 
-def _batch_errors(errors: str) -> None:
-    from .samples import choose
-
-    choose("errors", errors, ("status", "raise"))
-
-
-def _write_all(call: _Call, labels: _Labels, wrapped: Any, output: Any, overwrite: bool, client: Any,
+def _write_all(call: _Call, labels: Labels, wrapped: Any, output: Any, overwrite: bool, client: Any,
                threads: int | None, retries: int, progress: MapProgressArgument) -> Any:
     _need("zarr")
     client = _run_tiles.find_client(client)
     if client is not None and threads is not None:
         raise OptionError("threads are those of the client's workers: give it none, or client=False", code="option")
     maps = _write(call, labels, output, overwrite, client, threads, retries, progress)
-    return maps if wrapped is None else _dataset(maps, call.fields, labels, None)
+    return maps if wrapped is None else _labels.dataset(maps, call.fields, labels, None)
 
 
-def _here(call: _Call, labels: _Labels, threads: int | None, progress: MapProgressArgument) -> Any:
+def _here(call: _Call, labels: Labels, threads: int | None, progress: MapProgressArgument) -> Any:
     """A DataArray in memory, without output or client: as brdffit.fit_map does."""
     from .maps import fit_map as local
 
     call = dataclasses.replace(call, regions=[tuple(slice(0, size) for size in call.source.spatial)])
     maps = local(call.source.values, threads=threads, progress=progress, **call.arguments(), **call.tile_of(0).own)
-    return _dataset(maps, call.fields, labels, call.manifest(mark=False))
+    return _labels.dataset(maps, call.fields, labels, call.manifest(mark=False))
 
 
 def _data(wrapped: Any, sample_axis: Any, channel_axis: Any, tile: TileArgument, elsewhere: bool) -> Any:
