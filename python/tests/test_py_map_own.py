@@ -1,8 +1,10 @@
 """Maps of texels with directions of their own, and the same bits as the command line. SPDX-License-Identifier: MIT"""
+import dataclasses
+
 import numpy as np
 import pytest
 import stacks
-from test_py_map import BAD_VALUE, CERTIFIED, MASKED, NO_SAMPLES, NO_SIGNAL, same
+from map_case import BAD_VALUE, CERTIFIED, MASKED, NO_SAMPLES, NO_SIGNAL, same
 
 import brdffit
 
@@ -58,6 +60,27 @@ def test_the_files_of_the_command_line(bent, tmp_path, options):
     stacks.run(tmp_path, "stack.npy", "--lights", "lights.npy", "--views", "views.npy", "--mask", "mask.npy", "-o",
                "their_images", "--format", "pfm", *words, expect=3)
     equal_files(tmp_path / "images", tmp_path / "their_images")
+
+
+def test_a_table_as_geometry(bent, tmp_path):
+    stack, light, view, normals = bent
+    stacks.vectors_csv(tmp_path / "geometry.csv", light, view)
+    expected = brdffit.fit_map(stack, light, view)
+    for path in (tmp_path / "geometry.csv", str(tmp_path / "geometry.csv")):
+        assert same(expected, brdffit.fit_map(stack, path))
+    assert same(brdffit.fit_map(stack, light, view, normal=normals), brdffit.fit_map(stack, path, normal=normals))
+    assert same(brdffit.fit_map(stack, light, view, quantity="radiance"), brdffit.fit_map(stack, path, quantity="radiance"))
+    (tmp_path / "abc.csv").write_text("a,b,c\n" + "0.5,0.25,0.125\n1,1,0.5\n1,1,3\n")
+    assert brdffit.fit_map(np.ones((3, 2, 1)), tmp_path / "abc.csv").quantity == "radiance"
+    with pytest.raises(brdffit.DataError, match="geometry has 83|has 84"):
+        brdffit.fit_map(stack[:83], path)
+    with pytest.raises(brdffit.FileError):
+        brdffit.fit_map(stack, tmp_path / "absent.csv")
+    with pytest.raises(brdffit.DataError, match="twice"):
+        brdffit.fit_map(stack, path, view)
+    (tmp_path / "bad.csv").write_text("lx,ly,lz,vx,vy,vz\n0,0,1,0,0,1\n0,0,0,0,0,1\n")
+    with pytest.raises(brdffit.DataError, match="line 3"):
+        brdffit.fit_map(np.ones((2, 1, 1)), tmp_path / "bad.csv")
 
 
 def test_a_normal_map_as_the_command_line(bent, tmp_path):
@@ -194,8 +217,6 @@ def test_files_that_are_no_maps(tmp_path, bent):
 @pytest.mark.parametrize("options", [{}, {"distribution": "lafortune", "lobes": 2, "quantity": "radiance"}], ids=str)
 def test_predict(bent, options):
     """The bits of Fit.predict, for every shape of directions."""
-    import dataclasses
-
     stack, light, view, normals = bent
     fits = brdffit.fit_map(stack, light, view, **options)
     one = {key: value for key, value in options.items() if key != "quantity"}

@@ -75,9 +75,9 @@ def report(name, rows, unit, scale, csv):
 
 def maps(library, arguments, light, view):
     stack = make_stack(arguments.size, light, view)
-    options = brdffit.Options(lobes=arguments.lobes)
+    tile = _batch.default_tile(brdffit.Options(lobes=arguments.lobes))
     given = DirectMap(stack.ctypes.data, light.ctypes.data, view.ctypes.data, len(light), arguments.size ** 2, 3,
-                      arguments.lobes, arguments.threads, _batch.default_tile(options))
+                      arguments.lobes, arguments.threads, tile)
     found = {}
 
     def direct():
@@ -87,7 +87,7 @@ def maps(library, arguments, light, view):
         found["C"] = total.value
 
     def ours():
-        e2 = brdffit.fit_map(stack, light, view, lobes=arguments.lobes, threads=arguments.threads).e2
+        e2 = brdffit.fit_map(stack, light, view, lobes=arguments.lobes, threads=arguments.threads, tile=tile).e2
         # C adds them up one after the other, too.
         found["Python"] = float(np.add.accumulate(e2.reshape(-1))[-1])
 

@@ -31,12 +31,13 @@ Arrays = dict[str, npt.NDArray[Any]]
 STATUS = (*structs.TEXEL_STATUS, "no_samples", "not_reached")
 CERTIFIED, OPEN, NO_SIGNAL, MASKED, BAD_VALUE, REFUSED, NO_SAMPLES, NOT_REACHED = range(len(STATUS))
 NO_STOP = len(structs.STOP)
+_TYPES = {np.dtype(name): i for i, name in enumerate(structs.TYPE)}
 
 COUNTS = tuple(field[0] for field in structs.ManyStats._fields_[1:])
 
 # Texels of one call where it is not said: some milliseconds of work, so that Ctrl-C is heard soon.
-TILE_ONE_LOBE = 2048
-TILE_TWO_LOBES = 64
+TILE_ONE_LOBE = 4096
+TILE_TWO_LOBES = 32
 TILE_PROGRAMS = 1
 TILE_OWN = 64  # with directions of their own, one lobe
 
@@ -176,7 +177,7 @@ class Worker:
         t, r, values = self.texels, self.results, block.values
         item = values.itemsize
         t.count = block.texels
-        t.values, t.type = values.ctypes.data, structs.TYPE.index(values.dtype.name)
+        t.values, t.type = values.ctypes.data, _TYPES[values.dtype]
         t.sample_stride, t.texel_stride, t.channel_stride = (step // item for step in values.strides)
         t.mask = None if self.mask is None else self.mask.ctypes.data + block.first
         for name, start, step in self._to:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from typing import Union
 
 import numpy as np
@@ -12,7 +13,7 @@ from ._stack import of_all_samples
 from .errors import DataError
 from .samples import Samples
 
-DirectionsLike = Union[npt.ArrayLike, Samples]
+DirectionsLike = Union[npt.ArrayLike, Samples, "os.PathLike[str]"]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,6 +46,8 @@ class Geometry:
 def geometry(light: DirectionsLike, view: npt.ArrayLike | None, normal: npt.ArrayLike | None,
              weights: npt.ArrayLike | None, quantity: str | None, samples: int, spatial: tuple[int, ...]) -> Geometry:
     """Of the arguments of `fit_map`."""
+    if isinstance(light, (str, os.PathLike)):
+        light = Samples._places(light, quantity)
     if isinstance(light, Samples):
         return _of_samples(light, view, normal, weights, quantity, samples, spatial)
     wide = (samples, *spatial, 3)

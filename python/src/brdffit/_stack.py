@@ -80,6 +80,8 @@ class Stack:
         self.readable = (array.dtype.isnative and array.dtype.name in structs.TYPE and array.flags.aligned
                          and all(step % item == 0 for step in self.array.strides))
 
+        self._rows = self._lay_out() if self.in_place and self.count > 0 else self.array
+
     @staticmethod
     def _numbers(values: npt.ArrayLike) -> Values:
         if isinstance(values, np.ma.MaskedArray):
@@ -108,13 +110,25 @@ class Stack:
         elif count > 0:
             yield Block(self._copy(first, count), first, count)
 
+    def _lay_out(self) -> Values:
+        """A view samples x outer axes x run x channels."""
+        outer, inner = len(self.spatial), 1
+        while outer > 0 and inner * self.spatial[outer - 1] <= self.run:
+            outer -= 1
+            inner *= self.spatial[outer]
+        steps = self.array.strides
+        shape = (self.samples, *self.spatial[:outer], self.run, self.channels)
+        return np.lib.stride_tricks.as_strided(
+            self.array, shape, (*steps[:1 + outer], self.stride, steps[-1]), writeable=False)
+
     def _view(self, first: int, count: int) -> Values:
-        if not self.spatial:
-            return self.array[:, np.newaxis]
-        start = self.array[of_all_samples(slice(int(i), int(i) + 1) for i in np.unravel_index(first, self.spatial))]
-        flat = start.reshape(self.samples, 1, self.channels)
-        strides = (self.array.strides[0], self.stride, self.array.strides[-1])
-        return np.lib.stride_tricks.as_strided(flat, (self.samples, count, self.channels), strides, writeable=False)
+        rows = self._rows
+        start = first % self.run
+        if rows.ndim == 3:
+            return rows[:, start:start + count]
+        outer = np.unravel_index(first // self.run, rows.shape[1:-2])
+        part: Values = rows[of_all_samples((*outer, slice(start, start + count)))]
+        return part
 
     def _copy(self, first: int, count: int) -> Values:
         if not self.spatial:

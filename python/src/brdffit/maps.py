@@ -187,7 +187,8 @@ def fit_map(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike | 
         none (samples x S), and the results have one channel
     light, view: towards light and viewer, around the normal: N x 3 for N samples, one vector, or N x S x 3
         (broadcast) where texels differ; any length but zero. view None: +z. Or light is a `Samples` (its values are
-        not looked at), whose directions, angles or coefficients, weights and quantity hold for all texels.
+        not looked at) or the path of a CSV file as of `brdffit map --geometry`: its directions, angles or coefficients,
+        weights and quantity hold for all texels.
     normal: one vector, or S x 3: a normal map in the frame of the directions; None: +z
     weights: N, multiply squared residuals; a sample of weight 0 is not looked at
     mask: S; texels where it is 0, False or NaN are skipped
@@ -226,7 +227,7 @@ def fit_map(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike | 
     scale = _batch.positive("scale", scale)
     began = time.perf_counter()
     results = _batch.allocate(stack.count, stack.channels, asked.lobes)
-    size = count_of("tile", tile, _batch.default_tile(asked, given.own))  # type: ignore[arg-type]  # a shape is refused
+    size = count_of("tile", tile, _tile(asked, given.own, stack.count))  # type: ignore[arg-type]  # a shape is refused
     tiles = tiles_of(stack.count, size)
     pool = Pool(tiles)
     workers, skipped = _workers(given, asked, stack, results, flags, scale, pool,
@@ -235,6 +236,11 @@ def fit_map(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike | 
     if errors == "raise":
         _raise(stack, given, asked, scale, results, pool)
     return _gather(results, pool, workers, skipped, given, asked, stack, time.perf_counter() - began)
+
+
+def _tile(options: Options, own: bool, count: int) -> int:
+    """Few tiles would leave threads idle. The number of threads has no say: counts in `stats` shall not depend on it."""
+    return min(_batch.default_tile(options, own), max(256, -(-count // 32)))
 
 
 def _workers(given: Geometry, options: Options, stack: Stack, results: _batch.Arrays,

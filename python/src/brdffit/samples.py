@@ -171,6 +171,14 @@ class Samples:
         return _read(path, options, quantity)
 
     @classmethod
+    def _places(cls, path: Path, quantity: str | None) -> Samples:
+        """A CSV file that needs no channel: for its directions and weights."""
+        options = library().io_options()
+        options.format = structs.FORMAT.index("csv")
+        options.directions_only = 1
+        return _read(path, options, quantity)
+
+    @classmethod
     def from_merl(cls, path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "table",
                   bins: str = "edge") -> Samples:
         """A MERL .binary file (also .gz). samples: "table" (every cell that was measured), "84" (the paper's
@@ -271,7 +279,7 @@ def _from_table(table: structs.Table, owner: _Table, name: str, at: Samples | No
     if table.lines:
         lines = np.ctypeslib.as_array(table.lines, (count,)).astype(np.uintp)
     return Samples(
-        values=from_address(data.values, (count, channels), owner),  # type: ignore[arg-type]
+        values=from_address(data.values, (count, channels), owner) if channels else np.zeros((count, 0)),  # type: ignore[arg-type]
         channels=tuple(table.channel_names[k].decode("utf-8", "replace") for k in range(channels)),
         form=structs.FORM[data.form], quantity=structs.QUANTITY[data.quantity], file=name,
         format=structs.FORMAT[table.format], lines=lines,
