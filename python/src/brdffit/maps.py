@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
 import numpy as np
 import numpy.typing as npt
 
+from . import dask as scaled
 from . import _batch, _map_eval, _map_files, _map_words, _texelwise
 from . import _structs as structs
 from ._arrays import Floats, floats, freeze
 from ._geometry import DirectionsLike, Geometry, geometry
 from ._pool import MapProgressArgument, Pool, Teller, count_of, processors, tiles_of
 from ._stack import Stack
+from ._tiles import TileArgument
 from .errors import BrdffitError
 from .fit import run
 from .options import FitOptions, Options
@@ -172,9 +174,10 @@ def _unusable(status: npt.NDArray[np.uint8]) -> npt.NDArray[np.bool_]:
 
 def fit_map(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike | None = None, *,
             normal: npt.ArrayLike | None = None, weights: npt.ArrayLike | None = None,
-            mask: npt.ArrayLike | None = None, quantity: str | None = None, scale: float = 1.0, sample_axis: int = 0,
-            channel_axis: int | None = -1, threads: int | None = None, tile: int | None = None,
-            errors: str = "status", progress: MapProgressArgument = None, **options: Unpack[FitOptions]) -> FitMap:
+            mask: npt.ArrayLike | None = None, quantity: str | None = None, scale: float = 1.0,
+            sample_axis: int | str = 0, channel_axis: int | str | None = -1, threads: int | None = None,
+            tile: TileArgument = None, errors: str = "status", progress: MapProgressArgument = None, output: Any = None,
+            client: Any = None, overwrite: bool = False, retries: int = 3, **options: Unpack[FitOptions]) -> FitMap:
     """Fit every texel of a stack of images, each with its own proof.
 
     values: samples x S x channels, where S is any number of axes (height x width of images). float64, float32 and uint16
@@ -200,21 +203,32 @@ def fit_map(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike | 
 
     and the options of a fit: see `Options`.
 
+    Arrays of zarr, Dask and xarray, and any with output (a zarr store) or client (of dask.distributed), go the way of
+    `brdffit.dask.fit_map`: tile by tile, in this process or on many machines, into arrays of their own kind. output,
+    client, overwrite and retries are explained there.
+
     Threads, tiles, types and strides change no bit of the results: each is the same as of the texel alone. Directions,
     normals or views of a texel's own make it a fit by itself, as by `fit` (many times slower than shared ones).
 
     Raises `OptionError` and `DataError` for arguments, shapes and directions that cannot be used, `UnsupportedError` for
     what needs ECOS in a build without. An exception in `progress`, or Ctrl-C, ends the call within a tile.
     """
+    if output is not None or client or scaled.is_scaled(values):
+        out: FitMap = scaled.fit_map(
+            values, light, view, normal=normal, weights=weights, mask=mask, quantity=quantity, scale=scale,
+            sample_axis=sample_axis, channel_axis=channel_axis, threads=threads, tile=tile, errors=errors,
+            progress=progress, output=output, client=client, overwrite=overwrite, retries=retries, **options)
+        return out
     asked = Options(**options)._plain()  # wrong options fail here
     choose("errors", errors, ("status", "raise"))
-    stack = Stack(values, sample_axis, channel_axis)
+    stack = Stack(values, sample_axis, channel_axis)  # type: ignore[arg-type]  # says that they cannot be names
     given = geometry(light, view, normal, weights, quantity, stack.samples, stack.spatial)
     flags = _batch.texel_mask(mask, stack.spatial)
     scale = _batch.positive("scale", scale)
     began = time.perf_counter()
     results = _batch.allocate(stack.count, stack.channels, asked.lobes)
-    tiles = tiles_of(stack.count, count_of("tile", tile, _tile(asked, given.own, stack.count)))
+    size = count_of("tile", tile, _tile(asked, given.own, stack.count))  # type: ignore[arg-type]  # a shape is refused
+    tiles = tiles_of(stack.count, size)
     pool = Pool(tiles)
     workers, skipped = _workers(given, asked, stack, results, flags, scale, pool,
                                 min(count_of("threads", threads, processors()), len(tiles)))
