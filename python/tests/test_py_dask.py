@@ -379,7 +379,7 @@ def test_little_travels(stack, tmp_path):
 
     values, light, view = stack
     source = stored(tmp_path / "s.zarr", values, (84, 20, 24, 3))
-    call = brdffit.dask._prepare(brdffit.dask._source(source, 0, -1), light, view, None, None, None, None, 1.0, "status", None,
+    call = brdffit.dask.prepare(brdffit.dask._source(source, 0, -1), light, view, None, None, None, None, 1.0, "status", None,
                                  brdffit.Options())
     block, = call.source.blocks(call.tile, call.regions)
     job = brdffit.dask.TileJob(call.arguments(), call.fields, zarr.open_group(str(tmp_path / "g")))

@@ -377,6 +377,28 @@ def test_bands_stop_and_fail(texels):
             stack.fit_map(rows=wrong)
 
 
+def test_fit_map_takes_lazy_values_and_writes_zarr(texels, tmp_path):
+    pytest.importorskip("zarr")
+    values, light, mask, normal = texels
+    rows = []
+
+    class Watched(Known):
+        def _read(self, part):
+            rows.append(part[1].stop - part[1].start)
+            return super()._read(part)
+
+    want = brdffit.fit_map(values, light, mask=mask, normal=normal, lobes=1)
+    here = brdffit.fit_map(Watched(values), light, mask=mask, normal=normal, lobes=1, tile=(3, 6))
+    assert max(rows) == 3 and sum(rows) == 20
+    stack = Stack(Watched(values), light, np.array([0.0, 0, 1]), ("r", "g", "b"), quantity="brdf", mask=mask, normal=normal)
+    stored = stack.fit_map(lobes=1, rows=3, output=tmp_path / "maps.zarr", client=False, threads=2).load()
+    for name in ARRAYS:
+        for got in (here, stored):
+            assert np.array_equal(getattr(got, name), getattr(want, name), equal_nan=name not in ("status", "stop")), name
+    with pytest.raises(brdffit.DataError, match="axis 0"):
+        brdffit.fit_map(Watched(values), light, sample_axis=1, lobes=1)
+
+
 def test_dask_takes_lazy_values(scene):
     array = pytest.importorskip("dask.array")
     path, values = scene

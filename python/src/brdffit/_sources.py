@@ -1,4 +1,4 @@
-"""Stacks that are too large for memory, or elsewhere: zarr, Dask and xarray arrays, each as tiles.
+"""Stacks that are too large for memory, or elsewhere: zarr, Dask and xarray arrays, and images in files, each as tiles.
 
 SPDX-License-Identifier: MIT
 """
@@ -11,22 +11,25 @@ import numpy.typing as npt
 
 from . import _tiles as tiles
 from ._stack import Stack
-from ._tile_job import ZarrBlock
+from ._tile_job import StoredBlock
 from ._tiles import Region, TileArgument
 from .errors import DataError
 
 
 def kind(values: Any) -> str | None:
-    """"zarr", "dask" or "xarray", without importing any of them; None: something else."""
+    """"zarr", "dask", "xarray" or "brdffit" (`load_stack`'s), without importing any of them; None: something else."""
     for base in type(values).__mro__:
         package = base.__module__.partition(".")[0]
-        if (package, base.__name__) in (("zarr", "Array"), ("dask", "Array"), ("xarray", "DataArray")):
+        if (package, base.__name__) in (("zarr", "Array"), ("dask", "Array"), ("xarray", "DataArray"),
+                                         ("brdffit", "LazyArray")):
             return package
     return None
 
 
 class Source:
     """A stack by its shape. Axes count from 0; chunks are those of the spatial axes, where the stack has any."""
+
+    warns = True  # when tiles cut chunks: who made the stack could have made others
 
     def __init__(self, values: Any, sample_axis: Any, channel_axis: Any, chunks: Sequence[int] | None) -> None:
         dims = values.ndim
@@ -53,7 +56,7 @@ class Source:
         """The shape of a tile."""
         texel = self.samples * self.channels * self.dtype.itemsize
         shape = tiles.tile_shape(self.spatial, self.chunks, texel, tile)
-        if self.chunks is not None:
+        if self.chunks is not None and self.warns:
             tiles.warn_of_chunks(self.spatial, self.chunks, shape, self.along_samples)
         return shape
 
@@ -88,7 +91,22 @@ class ZarrSource(Source):
         super().__init__(values, sample_axis, channel_axis, values.chunks)
 
     def blocks(self, tile: tuple[int, ...], regions: Sequence[Region]) -> list[Any]:
-        return [ZarrBlock(self.values, self.index(region)) for region in regions]
+        return [StoredBlock(self.values, self.index(region)) for region in regions]
+
+
+class LazySource(Source):
+    """What `load_stack` gives: samples x height x width x channels."""
+
+    warns = False
+
+    def __init__(self, values: Any, sample_axis: Any, channel_axis: Any) -> None:
+        _, height, width, channels = values.shape
+        super().__init__(values, sample_axis, channel_axis, (1, min(values.rows_together, height), width, channels))
+        if (self.sample_axis, self.channel_axis) != (0, 3):
+            raise DataError("the stack in files has its samples on axis 0 and its channels on axis 3", code="argument")
+
+    def blocks(self, tile: tuple[int, ...], regions: Sequence[Region]) -> list[Any]:
+        return [StoredBlock(self.values, self.index(region)) for region in regions]
 
 
 class DaskSource(Source):

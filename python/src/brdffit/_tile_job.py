@@ -25,7 +25,7 @@ class Stopped(Exception):
     """The run ends before this tile does."""
 
 
-class ZarrBlock:
+class StoredBlock:
     """A tile's values, which the worker reads itself: only the place travels."""
 
     def __init__(self, array: Any, index: Region) -> None:
@@ -58,7 +58,7 @@ class TileJob:
         def ask(_: object) -> bool:
             return stopped is not None and stopped()
 
-        values = block.load() if isinstance(block, ZarrBlock) else np.asarray(block)
+        values = block.load() if isinstance(block, StoredBlock) else np.asarray(block)
         try:
             # One thread of C for a thread of the scheduler: it knows how many processors there are.
             result: FitMap = fit_map(values, threads=1, progress=None if stopped is None else ask, **self.arguments,

@@ -24,7 +24,7 @@ from ._arrays import freeze
 from ._geometry import DirectionsLike, Geometry, geometry
 from ._labels import Labels
 from ._pool import MapProgressArgument, Teller, count_of, processors
-from ._sources import DaskSource, NumpySource, Source, ZarrSource, kind
+from ._sources import DaskSource, LazySource, NumpySource, Source, ZarrSource, kind
 from ._tile_job import TOPIC, Tile, TileJob, pick, run_arrays
 from ._tiles import ChunkWarning, Region, TileArgument
 from .errors import OptionError
@@ -41,7 +41,7 @@ __all__ = ["TOPIC", "ChunkWarning", "MapArrays", "fit_map", "is_scaled"]
 
 def is_scaled(values: Any) -> bool:
     """Whether `values` is an array of zarr, Dask or xarray."""
-    return kind(values) is not None
+    return kind(values) in ("zarr", "dask", "xarray")
 
 
 class MapArrays(Mapping[str, Any]):
@@ -103,7 +103,7 @@ class MapArrays(Mapping[str, Any]):
 
 
 @dataclasses.dataclass(frozen=True)
-class _Call:
+class Call:
     """What was asked for, checked."""
 
     source: Source
@@ -161,9 +161,9 @@ def _need(package: str) -> None:
 
 def _source(values: Any, sample_axis: Any, channel_axis: Any) -> Source:
     found = kind(values)
-    if found == "zarr":
-        return ZarrSource(values, sample_axis, channel_axis)
-    return (DaskSource if found == "dask" else NumpySource)(values, sample_axis, channel_axis)
+    kinds = {"zarr": ZarrSource, "dask": DaskSource, "brdffit": LazySource}
+    source: Source = kinds.get(found or "", NumpySource)(values, sample_axis, channel_axis)
+    return source
 
 
 def _check(source: Source, given: Geometry, options: Options) -> None:
@@ -174,25 +174,25 @@ def _check(source: Source, given: Geometry, options: Options) -> None:
         _batch.plan_for(given.shared, source.channels, options)
 
 
-def _prepare(source: Source, light: DirectionsLike, view: Any, normal: Any, weights: Any, mask: Any,
-             quantity: str | None, scale: float, errors: str, tile: TileArgument, options: Options) -> _Call:
+def prepare(source: Source, light: DirectionsLike, view: Any, normal: Any, weights: Any, mask: Any,
+             quantity: str | None, scale: float, errors: str, tile: TileArgument, options: Options) -> Call:
     given = geometry(light, view, normal, weights, quantity, source.samples, source.spatial)
     flags = _batch.texel_mask(mask, source.spatial)
     _check(source, given, options)
     shape = source.cut(tile)
-    return _Call(source, given, options, flags, _batch.positive("scale", scale), errors, shape,
+    return Call(source, given, options, flags, _batch.positive("scale", scale), errors, shape,
                  _tiles.regions(source.spatial, shape), store.fields(source.channels, options.lobes))
 
 
 # ---- With an output: now, tile by tile -------------------------------------------------------------------------------
 
 
-def _layout(call: _Call, labels: Labels) -> store.Layout:
+def _layout(call: Call, labels: Labels) -> store.Layout:
     return store.Layout(call.source.spatial, call.tile, len(call.regions), call.fields, labels.spatial, labels.renamed,
                         call.manifest(mark=True))
 
 
-def _write(call: _Call, labels: Labels, output: Any, overwrite: bool, client: Any, threads: int | None, retries: int,
+def _write(call: Call, labels: Labels, output: Any, overwrite: bool, client: Any, threads: int | None, retries: int,
            progress: MapProgressArgument) -> MapArrays:
     inside = call.source.values if isinstance(call.source, ZarrSource) else None
     group, _ = store.open_maps(output, _layout(call, labels), overwrite, inside)
@@ -224,7 +224,7 @@ def _nested(flat: Sequence[Any], counts: Sequence[int]) -> Any:
     return list(flat)
 
 
-def _lazy(call: _Call) -> MapArrays:
+def _lazy(call: Call) -> MapArrays:
     import dask
     import dask.array
 
@@ -296,7 +296,7 @@ def fit_map(values: Any, light: DirectionsLike, view: npt.ArrayLike | None = Non
         values = _data(wrapped, sample_axis, channel_axis, tile, output is not None or bool(client))
     source = _source(values, sample_axis, channel_axis)
     labels = _labels.plain(source) if wrapped is None else _labels.of_xarray(wrapped, source)
-    call = _prepare(source, light, view, normal, weights, mask, quantity, scale, errors, tile, asked)
+    call = prepare(source, light, view, normal, weights, mask, quantity, scale, errors, tile, asked)
     labels.check(call.fields)
     if output is not None:
         return _write_all(call, labels, wrapped, output, overwrite, client, threads, retries, progress)
@@ -310,7 +310,7 @@ def fit_map(values: Any, light: DirectionsLike, view: npt.ArrayLike | None = Non
     return maps if wrapped is None else _labels.dataset(maps, call.fields, labels, call.manifest(mark=False))
 
 
-def _write_all(call: _Call, labels: Labels, wrapped: Any, output: Any, overwrite: bool, client: Any,
+def _write_all(call: Call, labels: Labels, wrapped: Any, output: Any, overwrite: bool, client: Any,
                threads: int | None, retries: int, progress: MapProgressArgument) -> Any:
     _need("zarr")
     client = _run_tiles.find_client(client)
@@ -320,7 +320,7 @@ def _write_all(call: _Call, labels: Labels, wrapped: Any, output: Any, overwrite
     return maps if wrapped is None else _labels.dataset(maps, call.fields, labels, None)
 
 
-def _here(call: _Call, labels: Labels, threads: int | None, progress: MapProgressArgument) -> Any:
+def _here(call: Call, labels: Labels, threads: int | None, progress: MapProgressArgument) -> Any:
     """A DataArray in memory, without output or client: as brdffit.fit_map does."""
     from .maps import fit_map as local
 

@@ -15,6 +15,7 @@ from . import _structs as structs
 from ._arrays import Floats, floats, freeze
 from ._geometry import DirectionsLike, Geometry, geometry
 from ._pool import MapProgressArgument, Pool, Teller, count_of, processors, tiles_of
+from ._sources import kind
 from ._stack import Stack
 from ._tiles import TileArgument
 from .errors import BrdffitError
@@ -203,6 +204,8 @@ def fit_map(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike | 
 
     and the options of a fit: see `Options`.
 
+    The values of `load_stack` are read and fitted a band of rows at a time; tile may be a shape there, whose rows make one.
+
     Arrays of zarr, Dask and xarray, and any with output (a zarr store) or client (of dask.distributed), go the way of
     `brdffit.dask.fit_map`: tile by tile, in this process or on many machines, into arrays of their own kind. output,
     client, overwrite and retries are explained there.
@@ -219,6 +222,12 @@ def fit_map(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike | 
             sample_axis=sample_axis, channel_axis=channel_axis, threads=threads, tile=tile, errors=errors,
             progress=progress, output=output, client=client, overwrite=overwrite, retries=retries, **options)
         return out
+    if kind(values) == "brdffit":
+        from ._bands import fit_bands
+
+        return fit_bands(values, light, view, normal=normal, weights=weights, mask=mask, quantity=quantity, scale=scale,
+                         sample_axis=sample_axis, channel_axis=channel_axis, threads=threads, tile=tile, errors=errors,
+                         progress=progress, options=options)
     asked = Options(**options)._plain()  # wrong options fail here
     choose("errors", errors, ("status", "raise"))
     stack = Stack(values, sample_axis, channel_axis)  # type: ignore[arg-type]  # says that they cannot be names

@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from .._arrays import Floats, freeze, vectors
-from ..errors import DataError, OptionError
+from .._pool import count_of
+from ..errors import BrdffitError, DataError, OptionError
 from ..samples import Path, Samples, choose
 
 if TYPE_CHECKING:
-    from .._pool import MapProgressArgument
     from ..maps import FitMap
 
 Part = tuple[slice, slice, slice, slice]
@@ -155,13 +155,22 @@ class Stack:
         return Samples.from_arrays(self.light, self.view, np.asarray(self.values[:, row, column]), normal=normal,
                                    channels=self.channels, quantity=self.quantity)
 
-    def fit_map(self, *, rows: int | None = None, progress: MapProgressArgument = None, **options: Any) -> FitMap:
-        """Every texel fitted: `brdffit.fit_map` with this stack's values, directions, normal, mask and quantity, with the
-        same bits, a band of `rows` rows at a time, of which two are in memory (None: as many as 128 MB hold). options: the
-        others of fit_map."""
-        from .bands import fit_bands
+    def fit_map(self, *, rows: int | None = None, **options: Any) -> FitMap:
+        """Every texel fitted: `brdffit.fit_map` with this stack's values, directions, normal, mask and quantity. What is in
+        files is read a band of `rows` rows at a time, of which two are in memory (None: as many as 128 MB hold). options:
+        the others of fit_map, output and client among them."""
+        from ..maps import fit_map
 
-        return fit_bands(self, rows, progress, options)
+        if rows is not None:
+            rows = count_of("rows", rows, 1)
+            if isinstance(self.values, LazyArray):
+                options["tile"] = (rows, self.values.shape[2])
+        try:
+            return fit_map(self.values, self.light, self.view, normal=self.normal, mask=self.mask, quantity=self.quantity,
+                           **options)
+        except BrdffitError as error:
+            error.path = error.path or self.file
+            raise
 
 
 def load_stack(path: Path, *, light: npt.ArrayLike | Path | None = None, view: npt.ArrayLike | None = None,
