@@ -3,7 +3,6 @@ import os
 import re
 import subprocess
 import sys
-import tarfile
 import zipfile
 
 import pytest
@@ -49,8 +48,7 @@ def test_sdist_has_all_that_make_needs(tmp_path):
     done = run(sys.executable, "-m", "hatchling", "build", "-t", "sdist", "-d", str(tmp_path), cwd=ROOT / "python")
     assert done.returncode == 0, done.stdout
     archive, = tmp_path.glob("brdffit-*.tar.gz")
-    with tarfile.open(archive) as file:
-        file.extractall(tmp_path, filter="data")
+    assert run("tar", "-xzf", str(archive), "-C", str(tmp_path)).returncode == 0
     inside = tmp_path / archive.name.removesuffix(".tar.gz")
     sources = sorted(p.relative_to(ROOT) for p in [*ROOT.glob("src/*.c"), *ROOT.glob("src/io/*.c")])
     assert all((inside / "c" / p).read_bytes() == (ROOT / p).read_bytes() for p in sources)

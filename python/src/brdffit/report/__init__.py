@@ -124,7 +124,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             if bar is not None:
                 bar.update(done)
         if many:
-            _write(batch.folder / "index.html", index_page(batch.rows, batch.failures, "n" if arguments.distribution in BY_EXPONENT else "σ"))
+            parameter = "n" if arguments.distribution in BY_EXPONENT else "σ"
+            _write(batch.folder / "index.html", index_page(batch.rows, batch.failures, parameter))
     except OSError as error:
         print("brdffit report: %s" % error, file=sys.stderr)
         return FAILURE

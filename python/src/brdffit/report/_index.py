@@ -58,12 +58,12 @@ def index_page(rows: Sequence[Row], failures: Sequence[Failure], parameter: str)
             "<li><b>%s</b>: %s</li>" % (html.escape(f.path), html.escape(f.message)) for f in failures)
     if rows:
         head = "".join("<th scope='col'%s>%s</th>" % (" class='%s'" % kind if kind else "", html.escape(text)) for kind, text in (
-            ("left", ""), ("left", "material"), ("left", "proof"), ("", parameter), ("less", "share of each lobe"), ("", "RMS, of max"),
-            ("less", "E² above its proven bound"), ("left less", "warnings")))
+            ("left", ""), ("left", "material"), ("left", "proof"), ("", parameter),
+            ("less", "share of each lobe"), ("", "RMS, of max"), ("less", "E² above its proven bound"), ("left less", "warnings")))
         lines = "".join(
             "<tr%s><td class='ball'><img alt='' src='%s'></td><th scope='row' class='left'><a href='%s'>%s</a></th>%s</tr>" % (
                 "" if r.certified else " class='failed'", r.picture, html.escape(r.link, quote=True), html.escape(r.name),
                 "".join(map(_cell, ("left", "wrap", "less", "", "less", "words less"), r.cells))) for r in rows)
-        body += "<h2>Materials</h2><div class='scroll'><table class='index'><thead><tr>%s</tr></thead><tbody>%s</tbody></table></div>" % (
-            head, lines)
+        body += ("<h2>Materials</h2><div class='scroll'><table class='index'><thead><tr>%s</tr></thead><tbody>%s</tbody></table>"
+                 "</div>") % (head, lines)
     return document("brdffit report", body)

@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import _words
 from .._version import __version__
+from ..fit import Fit
 from . import _analysis as analysis
 from . import _plots as plots
 from . import _proof as proof
@@ -37,7 +38,7 @@ def _paragraph(text: str) -> str:
 
 def _badge(material: Material) -> str:
     certified = material.main.certified
-    return "<span class='badge%s'>%s</span>" % ("" if certified else " open", "certified" if certified else "not proven to its gap")
+    return "<span class='badge%s'>%s</span>" % (("", "certified") if certified else (" open", "not proven to its gap"))
 
 
 def _fit(material: Material, lobes: int) -> str:
@@ -65,7 +66,8 @@ def _views(material: Material) -> str:
     parts.append(_pairs(views))
     if more:
         note = "" if not hidden else _paragraph("%s more are not drawn." % format(hidden, ","))
-        parts.append("<details><summary>%d more, mostly out of the plane of incidence</summary>%s%s</details>" % (len(more), _pairs(more), note))
+        parts.append("<details><summary>%d more, mostly out of the plane of incidence</summary>%s%s</details>" % (
+            len(more), _pairs(more), note))
     if material.views is not material.samples or not views:
         parts.append(_figure(plots.against(material), "wide"))
     polar = plots.polar_plots(material)
@@ -82,8 +84,8 @@ def _proof(material: Material) -> str:
     if extra is not None:
         parts.append(_paragraph(extra))
     curve = "<span class='key exact'>smallest %s with a lobe of that roughness, by plain least squares</span>" % name
-    parts.append("<p class='legend'>%s<span class='key bound'>proven: no model is below</span><span class='key near square'>near-optimal, "
-                 "proven</span><span class='key c0'>the fit</span></p>" % (curve if material.main.norm == "l2" else ""))
+    parts.append("<p class='legend'>%s<span class='key bound'>proven: no model is below</span><span class='key near square'>"
+                 "near-optimal, proven</span><span class='key c0'>the fit</span></p>" % (curve if material.main.norm == "l2" else ""))
     figures = [proof.profile(material, lobes) for lobes in sorted(material.fits)]
     if 2 in material.boxes:
         figures.append(proof.box_map(material))
@@ -93,20 +95,26 @@ def _proof(material: Material) -> str:
 def _spheres(material: Material) -> str:
     rendered = spheres.render(material)
     balls = "".join("<figure class='ball'><img width='%d' height='%d' alt='%s' src='%s'><figcaption>%s</figcaption></figure>" % (
-        spheres.SIZE, spheres.SIZE, html.escape(caption, quote=True), uri, html.escape(caption)) for uri, caption in rendered.pictures)
+        spheres.SIZE, spheres.SIZE, html.escape(caption, quote=True), uri, html.escape(caption))
+        for uri, caption in rendered.pictures)
     return "<h2>Spheres</h2>%s<div class='balls'>%s</div>" % ("".join(map(_paragraph, rendered.words)), balls)
 
 
 def _residuals(material: Material) -> str:
     fit = material.main
     rows = [["samples", "count"], ["used", format(fit.samples_used, ",")]]
-    for reason, words in _words.SKIPPED:
+    for reason, _ in _words.SKIPPED:
         count = fit.samples_skipped.get(reason, 0)
         if count:
-            rows.append(["skipped: " + (words % fit.max_incidence if "%" in words else words), format(count, ",")])
+            rows.append(["skipped: " + _why(fit, reason), format(count, ",")])
     return "<h2>Residuals and skipped samples</h2>%s%s<div class='scroll keep'>%s</div>%s" % (
         plots.legend(material, "pale: skipped by the fit"), _grid(plots.residuals(material)), _words.html_table(rows),
         _skipped(material))
+
+
+def _why(fit: Fit, reason: str) -> str:
+    words = dict(_words.SKIPPED)[reason]
+    return words % fit.max_incidence if "%" in words else words
 
 
 MOST_LISTED = 200
@@ -120,13 +128,11 @@ def _skipped(material: Material) -> str:
     if len(index) == 0:
         return ""
     first = index[:MOST_LISTED]
-    reasons = dict(_words.SKIPPED)
-    rows = [["line" if s.lines is not None else "sample", "light", "viewer", *(s.channels[k] for k in plots.shown_channels(material)),
-             "why"]]
+    shown = plots.shown_channels(material)
+    rows = [["sample" if s.lines is None else "line", "light", "viewer", *(s.channels[k] for k in shown), "why"]]
     for i in first:
-        why = reasons[str(at.reason[i])]
         rows.append([str(int(i) if s.lines is None else int(s.lines[i])), _angle(at.incidence[i]), _angle(at.view[i]),
-                     *("%.4g" % s.values[i, k] for k in plots.shown_channels(material)), why % fit.max_incidence if "%" in why else why])
+                     *("%.4g" % s.values[i, k] for k in shown), _why(fit, str(at.reason[i]))])
     title = "The skipped samples" if len(first) == len(index) else "The first %d of %s skipped samples" % (
         len(first), format(len(index), ","))
     return "<details><summary>%s</summary><div class='scroll'>%s</div></details>" % (title, _words.html_table(rows))
@@ -138,12 +144,13 @@ def _angle(degrees: float) -> str:
 
 def _source(material: Material) -> str:
     s, fit = material.samples, material.main
-    out = "%s: %s samples of %d channel%s" % (s.file or "arrays", format(len(s), ","), len(s.channels), "" if len(s.channels) == 1 else "s")
+    out = "%s: %s samples of %d channel%s" % (
+        s.file or "arrays", format(len(s), ","), len(s.channels), "" if len(s.channels) == 1 else "s")
     if s.merl_samples is not None:
-        out += ", %s, bins by their %s" % ({"84": "the paper's 84 directions of the table", "table": "every cell of the table"}.get(
-            s.merl_samples, "looked-up directions"), s.merl_bins)
-    return "%s. Values are %s; %s, relative gap %.3g." % (out, "BRDF values in 1/sr" if s.quantity == "brdf" else "radiance", (
-        "the norm is %s" % fit.norm), fit.relative_gap)
+        which = {"84": "the paper's 84 directions of the table", "table": "every cell of the table"}
+        out += ", %s, bins by their %s" % (which.get(s.merl_samples, "looked-up directions"), s.merl_bins)
+    return "%s. Values are %s; the norm is %s, relative gap %.3g." % (
+        out, "BRDF values in 1/sr" if s.quantity == "brdf" else "radiance", fit.norm, fit.relative_gap)
 
 
 def material_page(material: Material, index: str | None) -> str:
@@ -151,7 +158,8 @@ def material_page(material: Material, index: str | None) -> str:
     order = sorted(material.fits, reverse=True)
     if order[0] != material.options.lobes:
         order.reverse()
-    body = [top, "<h1>%s %s</h1><p class='soft'>%s</p>" % (html.escape(material.name), _badge(material), html.escape(_source(material))),
-            *(_fit(material, lobes) for lobes in order), _views(material), _proof(material), _spheres(material),
+    head = "<h1>%s %s</h1><p class='soft'>%s</p>" % (
+        html.escape(material.name), _badge(material), html.escape(_source(material)))
+    body = [top, head, *(_fit(material, lobes) for lobes in order), _views(material), _proof(material), _spheres(material),
             _residuals(material)]
     return document("%s - brdffit" % material.name, "".join(body))

@@ -49,7 +49,8 @@ def near_optimal_words(material: Material, lobes: int) -> str:
     found = [interval(fit, *pair) for pair in intervals]
     what = _words.OBJECTIVES[fit.norm]
     if all(words.startswith("any ") for words in found):
-        return "Of the roughness of models whose %s is within %.3g %% of the optimum, the search proved nothing." % (what, 100 * share)
+        return "Of the roughness of models whose %s is within %.3g %% of the optimum, the search proved nothing." % (
+            what, 100 * share)
     which = found if lobes == 1 else ["%s in its %s lobe" % (w, side) for w, side in zip(found, ("sharper", "wider"))]
     return "Proven: a model whose %s is within %.3g %% of the optimum has %s." % (what, 100 * share, " and ".join(which))
 
@@ -87,8 +88,9 @@ def profile(material: Material, lobes: int) -> Figure:
     if curve is not None:
         plot.line(sigma, curve, "line exact")
     plot.dots(fit.sigma, np.full(fit.lobes, fit.e2), "best", 3.2)
-    words = "%s%s" % (_words.lobes_word(fit).capitalize(), "" if lobes == 1 else ": over the %s of one, whatever that of the other" % (
-        _words.parameter(fit)))
+    words = _words.lobes_word(fit)
+    if lobes == 2:
+        words += ": over the %s of one, whatever that of the other" % _words.parameter(fit)
     if bound.min() < low:
         words += "; where no bound is seen, it is below the frame"
     return plot.svg(), words + ". " + near_optimal_words(material, lobes)
@@ -135,10 +137,11 @@ def box_map(material: Material) -> Figure:
         number(LEFT), number(height - BOTTOM), number(TOP), number(WIDTH - RIGHT), _outlines(boxes, axis_x, axis_y)))
     plot.dots(fit.sigma[:1], fit.sigma[1:], "best", 3.2)
     plot.raw(_scale(height, 10**top))
-    caption = ("All %s boxes of the search%s. The colour is what was proven of a box: the darker, the further every model in it lies "
-               "above the fit (the dot); only the bright ones can hold a better one. What is brightest was left open within the gap." % (
-                   format(len(boxes), ","), ", of which %s are wide enough to be outlined" % format(
-                       _visible(boxes, axis_x, axis_y).sum(), ",") if not _visible(boxes, axis_x, axis_y).all() else ""))
+    seen = _visible(boxes, axis_x, axis_y)
+    some = "" if seen.all() else ", of which %s are wide enough to be outlined" % format(int(seen.sum()), ",")
+    caption = ("All %s boxes of the search%s. The colour is what was proven of a box: the darker, the further every model in it "
+               "lies above the fit (the dot); only the bright ones can hold a better one, and none that is better by more than "
+               "the gap between the fit and its bound." % (format(len(boxes), ","), some))
     return plot.svg(), caption
 
 

@@ -159,10 +159,10 @@ def polar(curves: Sequence[tuple[Floats, Floats, str]], dots: Sequence[tuple[Flo
         x, y = at(angle, size + 15).split()
         parts.append("<path class='grid' d='M%sL%s'/><text x='%s' y='%s' text-anchor='middle'>%s°</text>" % (
             at(angle, 0), at(angle, size), x, number(float(y) + 4), label(angle)))
-    # Beside its line, so that it hides nothing of the curves at the normal.
-    x, y = at(-view - 6, size * 0.86).split()
-    parts.append("<path class='line faint dash' d='M%sL%s'/><text x='%s' y='%s' text-anchor='end'>view</text>" % (
-        at(-view, 0), at(-view, size), x, y))
+    # Beside its line, on the side that is free: of a low one above, of a steep one to the left.
+    x, y = at(-view + 7 if view > 30 else -view - 6, size * 0.8).split()
+    parts.append("<path class='line faint dash' d='M%sL%s'/><text x='%s' y='%s' text-anchor='%s'>view</text>" % (
+        at(-view, 0), at(-view, size), x, y, "middle" if view > 30 else "end"))
     for angles, radii, kind in curves:
         points = [at(float(p), float(q)) for p, q in zip(angles, radii / top * size) if math.isfinite(q)]
         if points:
