@@ -184,7 +184,7 @@ class Fit:
 
     @classmethod
     def from_json(cls, text: str) -> Fit:
-        """Of one line."""
+        """Of one line that `to_json` or `brdffit fit --json` wrote."""
         try:
             line = json.loads(text)
         except ValueError as error:

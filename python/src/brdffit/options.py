@@ -84,6 +84,7 @@ class Options:
         return self.sigma_range
 
     def replace(self, **changes: object) -> Self:
+        """A copy with some of them changed."""
         return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
 
     def _plain(self) -> Self:

@@ -142,7 +142,8 @@ class Samples:
     def from_angles(cls, cos_light: npt.ArrayLike, cos_view: npt.ArrayLike, tan2_half: npt.ArrayLike,
                     cos_difference: npt.ArrayLike, values: npt.ArrayLike, *, weights: npt.ArrayLike | None = None,
                     channels: Sequence[str] | None = None, quantity: str = "brdf") -> Samples:
-        """n.l, n.v, the squared tangent of the half angle, v.h (N each)."""
+        """By angles alone, as tables in half and difference angles have them (N each): n.l, n.v, the squared tangent of the
+        half angle, v.h."""
         data = _rows(values)
         n = len(data)
         return cls(values=data, channels=_names(channels, data), quantity=quantity, form="angles",
