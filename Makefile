@@ -27,6 +27,10 @@ datarootdir ?= $(prefix)/share
 mandir ?= $(datarootdir)/man
 pkgconfigdir ?= $(libdir)/pkgconfig
 
+# make check installs Chromium where it may, for the test of report pages; 0: it does not (some 200 MB to
+# download with all that it needs, 850 MB installed).
+BROWSER ?= 1
+
 # Tests read development data from here and skip what is absent.
 BRDFFIT_DATA ?= ../shared/data
 
@@ -70,7 +74,7 @@ BENCH := $(sort $(wildcard tools/bench/bench_*.c))
 TESTS := $(sort $(wildcard tests/test_*.c))
 REFERENCES := $(sort $(wildcard tests/ref/*.c))
 FUZZ := $(sort $(wildcard tests/fuzz/*.c))
-TEST_SUPPORT := $(call object,$(wildcard tests/verify.c tests/support.c))
+TEST_SUPPORT := $(call object,$(wildcard tests/batch.c tests/verify.c tests/support.c))
 SCRIPTS := $(sort $(wildcard tests/check_*.sh))
 MANUALS := $(wildcard tools/brdffit/brdffit.1)
 
@@ -106,6 +110,7 @@ help:
 	@echo 'make demo        install what is missing, build, fit the shipped example'
 	@echo 'make check       install what is missing, build, run every test (sanitizers included)'
 	@echo 'make check-asan  C tests and command line under AddressSanitizer and UBSan'
+	@echo 'make check-package  the Python package: wheel, sdist, editable, ECOS=0, removal, in fresh environments'
 	@echo 'make deps        only install what is missing (Debian; elsewhere: say what is missing)'
 	@echo 'make docs        the documentation, in $(BUILD)/docs/html'
 	@echo 'make install     to $(prefix) (PREFIX, DESTDIR, bindir, libdir, ... are honoured)'
@@ -119,6 +124,7 @@ help:
 	@echo
 	@echo 'ECOS=0           a library without the GPL solver ECOS (engine socp is then unsupported)'
 	@echo 'ECOS_DIR=path    an unpacked source tree of ECOS instead of the download'
+	@echo 'BROWSER=0        make check does not install Chromium; its one test is skipped where there is none'
 	@echo 'BUILD=dir CC= CFLAGS= CPPFLAGS= LDFLAGS= WERROR=1 V=1'
 
 # Compiler settings of a tree. A file is rewritten only when its text changes, and everything that
@@ -342,6 +348,8 @@ check-docs: docs
 endif
 
 check: deps
+	@[ '$(BROWSER)' = 0 ] || sh tools/setup/deps.sh install browser || \
+	    echo 'No Chromium: the test of the pages of brdffit report in a browser is skipped.' >&2
 	@$(MAKE) --no-print-directory check-build
 	@failed=; for part in check-c check-scripts check-asan check-python check-docs; do \
 	    $(MAKE) --no-print-directory $$part || failed="$$failed $$part"; \
@@ -382,17 +390,21 @@ check-python:
 	@BRDFFIT_BUILD='$(abspath $(BUILD))' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' \
 	    sh tools/setup/run_tests.sh python '$(VENV)' '$(BUILD)' $(PYTESTS)
 
+# Virtual environments and downloads: not in `make check`. A copy of this goes through every way to install the package.
+check-package:
+	@PYTHON='$(PYTHON)' sh tools/setup/package.sh
+.PHONY: check-package
+
 clean:
 	rm -rf $(BUILD)/obj $(BUILD)/obj-noecos $(BUILD)/tests $(BUILD)/asan $(BUILD)/ecos0 $(BUILD)/demo
-	rm -rf $(BUILD)/install $(BUILD)/pycache $(BUILD)/pytest_cache
+	rm -rf $(BUILD)/install $(BUILD)/whole $(BUILD)/python $(BUILD)/pycache $(BUILD)/pytest_cache
 	rm -f $(BUILD)/libbrdffit* $(BUILD)/*.pc $(BUILD)/*.flags $(BUILD)/brdffit $(BUILD)/goniometer $(BUILD)/bench_*
 	rm -rf $(BUILD)/docs
 
 distclean:
-	rm -rf $(BUILD)
+	rm -rf $(BUILD) python/src/brdffit/_lib
 
-include tools/bench/peers.mk
-include tools/bench/bench.mk
-include tools/stress/stress.mk
+# In this order. The Python package's sdist has none of them: it builds the library only.
+include $(wildcard tools/bench/peers.mk) $(wildcard tools/bench/bench.mk) $(wildcard tools/stress/stress.mk)
 
 -include $(wildcard $(OBJ)/src/*.d $(OBJ)/src/io/*.d $(OBJ)/tools/*/*.d $(OBJ)/tests/*.d $(OBJ)/tests/*/*.d)

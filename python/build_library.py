@@ -47,12 +47,16 @@ class Hook(BuildHookInterface):
         make = os.environ.get("MAKE") or shutil.which("gmake") or shutil.which("make")
         if make is None:
             raise SystemExit("brdffit: GNU make, a C compiler and zlib with headers are needed to build the library")
-        third_party = os.environ.get("THIRD_PARTY") or str(
-            build / "third_party" if (source / "src").parent.name == "c" else source / "build" / "third_party")
+        third_party = pathlib.Path(os.environ.get("THIRD_PARTY") or (
+            build / "third_party" if source.name == "c" else source / "build" / "third_party"))
         library = build / "whole" / "libbrdffit.so"
+        # As somebody would write them who calls make in the tree: the Makefile remembers them, and compiles again when
+        # they are spelled in another way.
+        build, third_party, target = (path.relative_to(source) if path.is_relative_to(source) else path
+                                      for path in (build, third_party, library))
         environment = {key: value for key, value in os.environ.items() if key not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
         command = [make, "--no-print-directory", "-j%d" % min(8, os.cpu_count() or 1), "BUILD=%s" % build,
-                   "THIRD_PARTY=%s" % third_party, "PYTHON=%s" % sys.executable, "PREFIX=/usr", str(library)]
+                   "THIRD_PARTY=%s" % third_party, "PYTHON=%s" % sys.executable, "PREFIX=/usr", str(target)]
         done = subprocess.run(command, cwd=source, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         if done.returncode != 0:
             sys.stderr.write(done.stdout.decode("utf-8", "replace"))

@@ -82,6 +82,10 @@ class Browser:
         with open(path, "wb") as file:
             file.write(base64.b64decode(data))
 
+    def print(self):
+        """The page as PDF, A4."""
+        return base64.b64decode(self.call("Page.printToPDF", paperWidth=8.27, paperHeight=11.69, printBackground=True)["data"])
+
     def close(self):
         self._process.kill()
         self._process.wait()

@@ -27,6 +27,7 @@ static const command commands[] = {
     {"fit", brdffit_cli_fit, brdffit_cli_fit_help, "fit a model to measured files, with proof"},
     {"eval", brdffit_cli_eval, brdffit_cli_eval_help, "evaluate a fit at a file's directions"},
     {"map", brdffit_cli_map, brdffit_cli_map_help, "fit every texel of a stack of images"},
+    {"merge", brdffit_cli_merge, brdffit_cli_merge_help, "put together what fit and map --shard did"},
     {"info", brdffit_cli_info, brdffit_cli_info_help, "what is in a file and what would be used"},
 };
 #define COMMAND_COUNT (sizeof commands / sizeof *commands)
@@ -46,6 +47,7 @@ static void usage(FILE *out)
     fputs("Usage: brdffit COMMAND ...\n\n", out);
     for (size_t i = 0; i < COMMAND_COUNT; i++)
         fprintf(out, "  %-6s %s\n", commands[i].name, commands[i].summary);
+    fputs("  report pages that show fits, their proofs and residuals (of the Python package)\n", out);
     fputs("\n'brdffit COMMAND --help' explains a command; 'brdffit --version' tells the\n"
           "version. Any other NAME runs the program brdffit-NAME from your PATH.\n",
           out);
@@ -64,6 +66,13 @@ static int unknown_command(const char *name)
     cli_suggestion near = {0};
     for (size_t i = 0; i < COMMAND_COUNT; i++)
         brdffit_cli_suggest(&near, name, commands[i].name);
+    if (strcmp(name, "report") == 0) {
+        fputs("brdffit: there is no brdffit-report on the PATH. It comes with the Python package: in a clone of brdffit,\n"
+              "    pip install ./python\n"
+              "and if that is in a virtual environment, activate it (or put its bin/ on the PATH).\n",
+              stderr);
+        return CLI_EXIT_USAGE;
+    }
     fprintf(stderr, "brdffit: '%s' is not a command", name);
     if (strchr(name, '/') == NULL)
         fprintf(stderr, ", and there is no brdffit-%s on the PATH", name);
@@ -96,11 +105,11 @@ static int run_external(char **argv)
     return unknown_command(name);
 }
 
-static int help(const char *name)
+static int help(char *name)
 {
     const command *const c = name == NULL ? NULL : find_command(name);
     if (name != NULL && c == NULL)
-        return unknown_command(name);
+        return run_external((char *[]){name, (char[]){"--help"}, NULL});
     if (c == NULL)
         usage(stdout);
     else

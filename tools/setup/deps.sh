@@ -1,9 +1,9 @@
 #!/bin/sh
 # What the build, the tests and the download of ECOS need from the system.
 #
-#   deps.sh check   cli|ecos|build|test ...   look; say what is missing, how to get it, and fail
-#   deps.sh install cli|ecos|build|test ...   the same, but install it first where that is possible:
-#                                             apt-get, as root or through a sudo that asks nothing
+#   deps.sh check   cli|ecos|build|test|browser ...   look; say what is missing, how to get it, and fail
+#   deps.sh install cli|ecos|build|test|browser ...   the same, but install it first where that is possible:
+#                                                     apt-get, as root or through a sudo that asks nothing
 #
 # Everything is found by trying it (a header by compiling and linking), never by asking a package
 # manager, so that other systems and hand-made installations count. Environment: CC, PYTHON.
@@ -14,6 +14,7 @@ CC=${CC:-cc}
 PYTHON=${PYTHON:-python3}
 mode=$1
 shift
+groups=$*
 
 links() { # header, libraries: does a program with them link?
     scratch=$(mktemp -d)
@@ -26,6 +27,13 @@ links() { # header, libraries: does a program with them link?
     if $CC ${CPPFLAGS:-} ${LDFLAGS:-} -o "$scratch/try" "$scratch/try.c" $2 > /dev/null 2>&1; then found=0; else found=1; fi
     rm -rf "$scratch"
     return $found
+}
+
+browses() { # the names that python/tests/browser.py tries
+    for program in chromium chromium-browser google-chrome; do
+        ! "$program" --version > /dev/null 2>&1 || return 0
+    done
+    return 1
 }
 
 missing= # what, for people
@@ -63,6 +71,10 @@ look() {
             "$PYTHON" -c 'import venv, ensurepip' > /dev/null 2>&1 ||
                 need "Python 3's modules venv and ensurepip" "python3 python3-venv"
             ;;
+        browser)
+            # Some letters are needed as well: a browser without a font measures every text as nothing.
+            browses || need "Chromium, headless, for the test of the report's pages" "chromium fonts-dejavu-core"
+            ;;
         *)
             echo "deps.sh: unknown group '$group'" >&2
             exit 2
@@ -75,7 +87,7 @@ complain() {
     {
         echo "brdffit: missing on this system:$missing"
         echo "On Debian or Ubuntu: apt-get install$packages"
-        [ "$mode" = install ] || echo "or let 'make deps' do that, as root or with sudo."
+        [ "$mode" = install ] || echo "or let 'make deps DEPS=\"$groups\"' do that, as root or with sudo."
     } >&2
     exit 1
 }

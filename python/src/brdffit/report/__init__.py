@@ -11,16 +11,19 @@ import re
 import sys
 import tempfile
 from typing import Any, Sequence
-from urllib.parse import quote
+from urllib.parse import quote, unquote
+
+import numpy as np
 
 from .._version import __version__
 from ..errors import BrdffitError, FileError
-from ..options import Options
+from ..options import BY_EXPONENT, Options
 from ..progress import Bar
 from ..samples import Samples
 from .. import _structs as structs
 from ._analysis import Material, measure
-from ._page import index_page, material_page
+from ._index import Failure, Row, index_page, row
+from ._page import material_page
 
 __all__ = ["Material", "main", "measure", "page"]
 
@@ -39,15 +42,17 @@ def _parser() -> argparse.ArgumentParser:
         "residuals: one page a material, and an index. The pages need no other file.",
         epilog="Exit status: 0 every fit is certified, 4 a search stopped before its gap closed, 1 a file or page cannot be "
         "read or written, 2 wrong usage, 3 data that cannot be used.")
-    p.add_argument("files", nargs="+", metavar="FILE", help="CSV, TSV or MERL .binary, also .gz")
+    p.add_argument("files", nargs="+", metavar="FILE", help="CSV, TSV or MERL .binary, also .gz; RGL .bsdf; HDF5; zarr")
     p.add_argument("-o", "--output", default="brdffit-report", metavar="DIR", help="where the pages go (%(default)s)")
     p.add_argument("--lobes", type=int, choices=(1, 2), default=2, help="the fit that is shown in detail (%(default)s)")
     p.add_argument("--distribution", choices=structs.DISTRIBUTION, default=defaults.distribution)
+    p.add_argument("--norm", choices=structs.NORM, default=defaults.norm)
     p.add_argument("--gap", type=float, default=defaults.relative_gap, metavar="G", help="relative gap on E² (%(default)s)")
     p.add_argument("--max-incidence", default=defaults.max_incidence, metavar="DEG", type=_degrees,
                    help="skip light further from the normal; off: use all (%(default)s)")
     p.add_argument("--merl-samples", choices=("84", "table"), default="84",
-                   help="which of a MERL table is fitted (%(default)s); spheres always show all of it")
+                   help="which of a MERL table is fitted (%(default)s); of a .bsdf file, table is what was measured; spheres "
+                   "always show all of it")
     p.add_argument("--merl-bins", choices=structs.MERL_BINS, default="edge")
     p.add_argument("--values", choices=structs.QUANTITY, help="what a CSV holds")
     p.add_argument("--box-budget", type=int, default=defaults.box_budget, metavar="N")
@@ -64,7 +69,12 @@ def _read(path: str, arguments: argparse.Namespace) -> Samples:
     samples = Samples.from_file(path)
     if samples.format == "merl":
         return Samples.from_merl(path, samples=arguments.merl_samples, bins=arguments.merl_bins)
-    return samples if arguments.values is None else Samples.from_csv(path, quantity=arguments.values)
+    if samples.format == "rgl":
+        return samples if arguments.merl_samples == "table" else Samples.from_rgl(path, samples="84")
+    if arguments.values is None:
+        return samples
+    readers = {"hdf5": Samples.from_hdf5, "zarr": Samples.from_zarr}
+    return readers.get(samples.format or "", Samples.from_csv)(path, quantity=arguments.values)
 
 
 def _write(path: pathlib.Path, text: str) -> None:
@@ -99,45 +109,67 @@ def _page_name(name: str, taken: set[str]) -> str:
 
 def _material_name(path: str) -> str:
     name = os.path.basename(path)
-    return re.sub(r"\.(csv|tsv|txt|binary)$", "", re.sub(r"\.gz$", "", name)) or name
+    return re.sub(r"\.(csv|tsv|txt|binary|bsdf|h5|hdf5|zarr)$", "", re.sub(r"\.gz$", "", name)) or name
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     arguments = _parser().parse_args(argv)
-    options = {"distribution": arguments.distribution, "relative_gap": arguments.gap,
-               "max_incidence": arguments.max_incidence, "box_budget": arguments.box_budget}
-    folder = pathlib.Path(arguments.output)
-    code, rows, failures, taken = CERTIFIED, [], [], {"index"}
+    many = len(arguments.files) > 1
     bar = Bar(len(arguments.files), "page") if not arguments.quiet and sys.stderr.isatty() else None
+    batch = _Batch(arguments, pathlib.Path(arguments.output))
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        batch.folder.mkdir(parents=True, exist_ok=True)
         for done, path in enumerate(arguments.files, 1):
-            try:
-                name = _material_name(path)
-                material = measure(name, _read(path, arguments), options, arguments.lobes)
-            except BrdffitError as error:
-                print("brdffit report: %s" % error, file=sys.stderr)
-                failures.append((path, error.message))
-                code = _worse(code, FAILURE if isinstance(error, FileError) else
-                              USAGE if error.code == "option" else DATA)
-                continue
-            link = _page_name(name, taken)
-            _write(folder / link, material_page(material, "index.html" if len(arguments.files) > 1 else None))
-            rows.append((quote(link), name, material))
-            code = _worse(code, CERTIFIED if material.main.certified else OPEN)
+            batch.take(path)
             if bar is not None:
                 bar.update(done)
-        if len(arguments.files) > 1:
-            _write(folder / "index.html", index_page(rows, failures))
+        if many:
+            parameter = "n" if arguments.distribution in BY_EXPONENT else "σ"
+            _write(batch.folder / "index.html", index_page(batch.rows, batch.failures, parameter))
     except OSError as error:
         print("brdffit report: %s" % error, file=sys.stderr)
         return FAILURE
     finally:
         if bar is not None:
             bar.close()
-    if rows and not arguments.quiet:
-        print(folder / ("index.html" if len(arguments.files) > 1 else rows[0][0]))
-    return code
+    if (batch.rows or many) and not arguments.quiet:
+        print(batch.folder / ("index.html" if many else unquote(batch.rows[0].link)))
+    return batch.code
+
+
+class _Batch:
+    """File after file; one that cannot be read or fitted does not stop the others."""
+
+    def __init__(self, arguments: argparse.Namespace, folder: pathlib.Path) -> None:
+        self._arguments, self.folder = arguments, folder
+        self._options = {"distribution": arguments.distribution, "norm": arguments.norm, "relative_gap": arguments.gap,
+                         "max_incidence": arguments.max_incidence, "box_budget": arguments.box_budget}
+        self.code, self._taken = CERTIFIED, {"index"}
+        self.rows: list[Row] = []
+        self.failures: list[Failure] = []
+
+    def take(self, path: str) -> None:
+        name = _material_name(path)
+        try:
+            material = measure(name, _read(path, self._arguments), self._options, self._arguments.lobes)
+            text = material_page(material, "index.html" if len(self._arguments.files) > 1 else None)
+            kept = row("", name, material)
+        except BrdffitError as error:
+            self._fail(path, str(error), FAILURE if isinstance(error, FileError) else USAGE if error.code == "option" else DATA)
+        except (ArithmeticError, LookupError, MemoryError, ValueError, np.linalg.LinAlgError) as error:
+            # A page that cannot be drawn is our mistake, and still no reason to withhold the others.
+            self._fail(path, "%s: its page could not be made: %s: %s" % (path, type(error).__name__, error), FAILURE)
+        else:
+            link = _page_name(name, self._taken)
+            kept.link = quote(link)
+            _write(self.folder / link, text)
+            self.rows.append(kept)
+            self.code = _worse(self.code, CERTIFIED if kept.certified else OPEN)
+
+    def _fail(self, path: str, message: str, code: int) -> None:
+        print("brdffit report: %s" % message, file=sys.stderr)
+        self.failures.append(Failure(path, message.removeprefix(path + ": ")))
+        self.code = _worse(self.code, code)
 
 
 def _worse(a: int, b: int) -> int:

@@ -14,23 +14,30 @@ from ..boxes import Boxes, fit_boxes
 from ..fit import Fit
 from ..merl import MerlTable, load_merl
 from ..options import Options
+from ..readers.rgl import RGLMaterial, load_rgl
 from ..samples import Samples
 
-# Exact curves evaluate every sample at every roughness: above this, the certified bound alone is drawn.
-MOST_SAMPLES_OF_A_CURVE = 20000
-GRID_ONE, GRID_TWO = 240, 72
+# Points of the exact curves, with one lobe and with two, and of large tables: they evaluate every sample at each.
+GRID_ONE, GRID_TWO, GRID_LARGE = 240, 72, 40
+LARGE = 100_000
 
 
 @dataclasses.dataclass
 class Material:
-    """One file: its fits with one and with two lobes, `main` the one that was asked for."""
+    """One file: its fits with one and with two lobes, `main` the one that was asked for.
+
+    views: what is drawn over the angle of the light: the samples, or, when a whole table was fitted, the table looked up
+    at the paper's views; None where there are no directions
+    """
 
     name: str
     samples: Samples
-    table: MerlTable | None
+    table: MerlTable | RGLMaterial | None
     options: Options
     fits: dict[int, Fit]
     boxes: dict[int, Boxes]
+    leaves: dict[int, npt.NDArray[np.bool_]]
+    views: Samples | None
 
     @property
     def main(self) -> Fit:
@@ -38,34 +45,54 @@ class Material:
 
 
 def measure(name: str, samples: Samples, options: dict[str, Any], lobes: int) -> Material:
-    table = None
+    table: MerlTable | RGLMaterial | None = None
     if samples.format == "merl" and samples.file is not None:
         table = load_merl(samples.file, bins=samples.merl_bins or "edge")
-    fits, boxes = {}, {}
+    elif samples.format == "rgl" and samples.file is not None:
+        table = load_rgl(samples.file)
+    fits, boxes, leaves = {}, {}, {}
     for count in sorted({1, lobes}):
         fits[count], boxes[count] = fit_boxes(samples, **{**options, "lobes": count})
-    return Material(name, samples, table, Options(**{**options, "lobes": lobes}), fits, boxes)
+        leaves[count] = leaf(boxes[count])
+    views = samples if samples.form == "directions" else None if table is None else _look_up(table, samples.channels)
+    return Material(name, samples, table, Options(**{**options, "lobes": lobes}), fits, boxes, leaves, views)
+
+
+def _look_up(table: MerlTable | RGLMaterial, channels: tuple[str, ...]) -> Samples:
+    """The table in the plane of incidence of the paper's four views, every 2.5 degrees of the light."""
+    angle, view_angle = (np.radians(a.ravel()) for a in np.meshgrid(np.arange(-85, 85.1, 2.5), [0.0, 20, 40, 60]))
+    zero = np.zeros_like(angle)
+    light = np.stack([np.sin(angle), zero, np.cos(angle)], -1)
+    view = np.stack([-np.sin(view_angle), zero, np.cos(view_angle)], -1)
+    values = table.lookup(light, view)
+    known = ~np.isnan(values).any(1)
+    return Samples.from_arrays(light[known], view[known], values[known], channels=channels)
 
 
 @dataclasses.dataclass
 class Places:
-    """Angles of the samples in degrees, radiance, and which of them the fit used; None where the form has no such thing."""
+    """Angles of the samples in degrees (NaN where the form has no such thing), radiance, and why the fit left one out: a
+    key of _words.SKIPPED, or "" for those that it used."""
 
-    used: npt.NDArray[np.bool_]
+    reason: npt.NDArray[np.str_]
     cos_light: Floats
     incidence: Floats
+    view: Floats
     half: Floats
     radiance: Floats
 
+    @property
+    def used(self) -> npt.NDArray[np.bool_]:
+        return np.asarray(self.reason == "")
 
-def places(material: Material) -> Places:
-    s, limit = material.samples, material.options.max_incidence
+
+def places(s: Samples, limit: float) -> Places:
+    count = len(s)
     if s.form == "coefficients":
-        count = len(s)
         assert s.c is not None
         nan = np.full(count, np.nan)
-        used = np.ones(count, bool) if s.weights is None else s.weights > 0
-        return Places(used, np.ones(count), nan, np.degrees(np.arctan(np.sqrt(s.c))), s.values)
+        return Places(_reasons(s, np.ones(count), np.ones(count), 90.0), np.ones(count), nan, nan,
+                      np.degrees(np.arctan(np.sqrt(s.c))), s.values)
     if s.form == "angles":
         assert s.cos_light is not None and s.cos_view is not None and s.tan2_half is not None
         nl, nv, half = s.cos_light, s.cos_view, np.degrees(np.arctan(np.sqrt(s.tan2_half)))
@@ -74,12 +101,18 @@ def places(material: Material) -> Places:
         h = l + v
         nl, nv = np.sum(n * l, 1), np.sum(n * v, 1)
         half = np.degrees(np.arctan2(np.linalg.norm(np.cross(n, h), axis=1), np.sum(n * h, 1)))
-    # 60 degrees from a file in degrees is 60, whatever the rounding of its cosine.
-    used = (nl > 0) & (nv > 0) & (nl >= (0 if limit >= 90 else np.cos(np.radians(limit))) - 1e-12)
-    if s.weights is not None:
-        used &= s.weights > 0
     radiance = s.values if s.quantity == "radiance" else s.values * nl[:, None]
-    return Places(used, nl, np.degrees(np.arccos(np.clip(nl, -1, 1))), half, radiance)
+    light, view = (np.degrees(np.arccos(np.clip(c, -1, 1))) for c in (nl, nv))
+    return Places(_reasons(s, nl, nv, limit), nl, light, view, half, radiance)
+
+
+def _reasons(s: Samples, nl: Floats, nv: Floats, limit: float) -> npt.NDArray[np.str_]:
+    """In the library's order: the first that applies."""
+    weightless = np.zeros(len(s), bool) if s.weights is None else ~(s.weights > 0)
+    # 60 degrees from a file in degrees is 60, whatever the rounding of its cosine.
+    oblique = nl < (0 if limit >= 90 else np.cos(np.radians(limit))) - 1e-12
+    return np.select([weightless, ~(nl > 0), ~(nv > 0), oblique],
+                     ["zero_weight", "light_below_horizon", "view_below_horizon", "incidence"], "")
 
 
 def _frames(s: Samples) -> tuple[Floats, Floats, Floats]:
@@ -102,9 +135,9 @@ class Series:
     angle: Floats
 
 
-def series(samples: Samples) -> list[Series]:
+def series(samples: Samples | None) -> list[Series]:
     """Of at least 4 samples each; by view angle, in-plane first."""
-    if samples.form != "directions":
+    if samples is None or samples.form != "directions":
         return []
     l, v, n = _frames(samples)
     view_angle = np.degrees(np.arccos(np.clip(np.sum(n * v, 1), -1, 1)))
@@ -148,20 +181,25 @@ def along(one: Series, angles: Floats) -> tuple[Floats, Floats]:
 
 def objective(material: Material, sigma: Floats, lobes: int) -> Floats | None:
     """Smallest E^2 at each sigma (of two lobes: at each pair), by plain non-negative least squares: independent of the
-    search. None where it would be long, or another norm is fitted."""
-    if material.options.norm != "l2" or len(material.samples) > MOST_SAMPLES_OF_A_CURVE:
+    search. None where another norm is fitted."""
+    if material.options.norm != "l2":
         return None
-    fit, at = material.fits[lobes], places(material)
-    s = material.samples
-    root = np.ones(len(s)) if s.weights is None else np.sqrt(s.weights)
-    root = root[at.used]
-    data = (at.radiance[at.used] / fit.channel_scale) * root[:, None]
-    columns = [_column(fit, s, at, 1.0, sigma[0], 0.0), *(_column(fit, s, at, 0.0, t, 1.0) for t in sigma)]
-    matrix = np.stack(columns, 1) * root[:, None]
-    length = np.linalg.norm(matrix, axis=0)
-    matrix = matrix / np.where(length > 0, length, 1)
-    gram, t, total = matrix.T @ matrix, matrix.T @ data, np.sum(data * data)
+    s, fit = material.samples, material.fits[lobes]
     n = len(sigma)
+    gram, t, total = np.zeros((n + 1, n + 1)), np.zeros((n + 1, len(s.channels))), 0.0
+    for start in range(0, len(s), LARGE // 2):
+        part = _part(s, slice(start, start + LARGE // 2))
+        at = places(part, material.options.max_incidence)
+        root = np.ones((len(part), 1)) if part.weights is None else np.sqrt(np.maximum(part.weights, 0))[:, None]
+        root, data = root[at.used], at.radiance[at.used] / fit.channel_scale
+        columns = [_column(fit, part, at, 1.0, sigma[0], 0.0), *(_column(fit, part, at, 0.0, v, 1.0) for v in sigma)]
+        matrix = np.stack(columns, 1) * root
+        gram += matrix.T @ matrix
+        t += matrix.T @ (data * root)
+        total += float(np.sum((data * root) ** 2))
+    length = np.sqrt(np.diag(gram))
+    length[length == 0] = 1
+    gram, t = gram / np.outer(length, length), t / length[:, None]
     if lobes == 1:
         index = np.stack([np.zeros(n, int), 1 + np.arange(n)], -1)
     else:
@@ -169,6 +207,14 @@ def objective(material: Material, sigma: Floats, lobes: int) -> Floats | None:
         index = np.stack([np.zeros_like(i), 1 + i, 1 + j], -1)
     gain = np.sum([_gain(gram, t[:, k], index) for k in range(t.shape[1])], axis=0)
     return np.asarray(np.maximum(total - gain, 0))
+
+
+def _part(s: Samples, rows: slice) -> Samples:
+    members: dict[str, Any] = {f.name: getattr(s, f.name) for f in dataclasses.fields(s)}
+    for name, value in members.items():
+        if isinstance(value, np.ndarray) and name != "_merl_directions":
+            members[name] = value[rows]
+    return Samples(**members)
 
 
 def _column(fit: Fit, s: Samples, at: Places, x: float, sigma: float, y: float) -> Floats:
@@ -193,30 +239,37 @@ def _gain(gram: Floats, t: Floats, index: npt.NDArray[Any]) -> Floats:
     return np.asarray(best)
 
 
-def sigma_axis(material: Material, lobes: int, count: int) -> Floats:
-    """Logarithmic, over what is worth looking at of the range searched."""
+def sigma_span(material: Material, lobes: int) -> tuple[float, float]:
+    """What is worth looking at of the range searched."""
     fit = material.fits[lobes]
     low, high = fit.sigma_range
     low = max(low, min(0.01, float(fit.sigma[0]) / 4), 1e-4)
-    low = min(low, high / 1.01)
-    return np.geomspace(low, high, count)
+    return min(low, high / 1.01), high
 
 
-def near_optimal(material: Material, lobes: int, share: float) -> list[tuple[float, float]]:
-    """Per lobe, the smallest and largest sigma that a model within (1 + share) of the optimum can have, certified: every
-    box outside is proven worse."""
+def sigma_grid(material: Material, lobes: int) -> Floats:
+    """Logarithmic, denser around the fit's lobes."""
+    low, high = sigma_span(material, lobes)
+    count = GRID_LARGE if len(material.samples) > LARGE else GRID_ONE if lobes == 1 else GRID_TWO
+    near = [found * np.geomspace(0.7, 1.4, 9) for found in material.fits[lobes].sigma]
+    return np.unique(np.clip(np.concatenate([np.geomspace(low, high, count), *near]), low, high))
+
+
+def near_optimal(material: Material, lobes: int) -> tuple[float, list[tuple[float, float]]]:
+    """A share, and per lobe the smallest and largest sigma that a model within (1 + share) of the fit's objective can
+    have, certified: every box outside is proven worse. 1 %, or what the gap that was asked for can tell."""
     fit, boxes = material.fits[lobes], material.boxes[lobes]
-    keep = leaf(boxes) & (boxes.lower_bound <= (1 + share) * fit.e2)
+    share = max(0.01, 2 * fit.relative_gap)
+    keep = material.leaves[lobes] & (boxes.lower_bound <= (1 + share) * fit.e2)
     out = []
     for p in range(lobes):
         low, high = boxes.sigma_low[keep, p], boxes.sigma_high[keep, p]
         out.append((float(min([fit.sigma[p], *low])), float(max([fit.sigma[p], *high]))))
-    return out
+    return share, out
 
 
-def bound_steps(boxes: Boxes, low: float, high: float) -> tuple[Floats, Floats]:
+def bound_steps(boxes: Boxes, leaves: npt.NDArray[np.bool_], low: float, high: float) -> tuple[Floats, Floats]:
     """Edges, and the bound between each two: no model with a lobe of such a sigma (whatever the other lobe) has less."""
-    leaves = leaf(boxes)
     bounds = boxes.lower_bound[leaves]
     sides = [(boxes.sigma_low[leaves, p], boxes.sigma_high[leaves, p]) for p in range(boxes.sigma_low.shape[1])]
     edges = np.unique(np.clip(np.concatenate([side for pair in sides for side in pair]), low, high))
@@ -231,21 +284,18 @@ def bound_steps(boxes: Boxes, low: float, high: float) -> tuple[Floats, Floats]:
 
 
 def leaf(boxes: Boxes) -> npt.NDArray[np.bool_]:
-    """Boxes that were not split. Their centre lies in no later box."""
-    with np.errstate(divide="ignore"):
-        low, high = np.log(np.maximum(boxes.sigma_low, 1e-300)), np.log(boxes.sigma_high)
-    centre = (low + high) / 2
-    if centre.shape[1] == 2:  # a box on the diagonal is its half below it
-        diagonal = (low[:, 0] == low[:, 1]) & (high[:, 0] == high[:, 1])
-        width = high - low
-        centre[diagonal, 0] -= 0.26 * width[diagonal, 0]
-        centre[diagonal, 1] += 0.26 * width[diagonal, 1]
+    """Boxes that were not split. A box shares a corner with the one that it was cut from, and of those that have that
+    corner the latest is the smallest: so its parent is the smallest of the latest at its corners."""
     out = np.ones(len(boxes), bool)
-    for start in range(0, len(boxes), 512):  # pairs in blocks, so that memory stays small
-        c = centre[start:start + 512]
-        later = np.arange(len(boxes))[None, :] > np.arange(start, start + len(c))[:, None]
-        inside = np.all((low[None] <= c[:, None]) & (c[:, None] <= high[None]), -1)
-        out[start:start + len(c)] = ~np.any(later & inside, 1)
+    latest: dict[tuple[tuple[bool, float], ...], int] = {}
+    level = boxes.level.tolist()
+    for i, (low, high) in enumerate(zip(boxes.sigma_low.tolist(), boxes.sigma_high.tolist())):
+        corners = list(itertools.product(*(((False, a), (True, b)) for a, b in zip(low, high))))
+        around = [latest[c] for c in corners if c in latest]
+        if around:
+            out[max(around, key=level.__getitem__)] = False
+        for c in corners:
+            latest[c] = i
     return out
 
 
@@ -256,15 +306,15 @@ def second_lobe(material: Material) -> str | None:
     one, two = material.fits[1], material.fits[2]
     if not two.lower_bound > 0:
         return None
+    what = _words.OBJECTIVES[two.norm]
     most, least = one.e2 / two.lower_bound, one.lower_bound / two.e2
     if one.e2 <= two.e2:
         return "The second lobe is of no use: one lobe fits as well."
     if most < 1.01:
-        return "The second lobe is worth at most %.2g %% of E², proven: one is enough." % (100 * (most - 1))
+        return "The second lobe lowers the %s by at most %s %%, proven: one is enough." % (
+            what, _words.directed(100 * (1 - 1 / most), 2, True))
     if most < 2:
-        return "One lobe leaves an E² between %.3g %% and %.3g %% larger, proven." % (100 * max(least - 1, 0), 100 * (most - 1))
-    return "One lobe leaves an E² between %s and %s times as large, proven." % (
-        _words.directed(max(least, 1), 3, False), _words.directed(most, 3, True))
-
-
-
+        return "With one lobe the %s is between %s %% and %s %% larger, proven." % (
+            what, _words.directed(100 * max(least - 1, 0), 3, False), _words.directed(100 * (most - 1), 3, True))
+    return "With one lobe the %s is between %s and %s times as large, proven." % (
+        what, _words.directed(max(least, 1), 3, False), _words.directed(most, 3, True))

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import html
 import math
-from typing import Sequence
+from typing import Callable, Sequence
 
 import numpy as np
 
@@ -38,13 +38,14 @@ def _log_ticks(low: float, high: float) -> list[float]:
     ticks = [10.0**k for k in range(first, last + 1, step)]
     if len(ticks) < 3:
         ticks = [m * 10.0**k for k in range(first - 1, last + 1) for m in (1, 2, 5) if low <= m * 10.0**k <= high]
-    return ticks
+    return ticks if len(ticks) > 2 else [t for t in _linear_ticks(low, high) if t > 0]
 
 
 class Axis:
-    """Data to screen, linear or logarithmic."""
+    """Data to screen, linear or logarithmic. `shown` and `back`: another scale to write at the ticks, and its inverse."""
 
-    def __init__(self, low: float, high: float, log: bool = False) -> None:
+    def __init__(self, low: float, high: float, log: bool = False, shown: Callable[[float], float] | None = None,
+                 back: Callable[[float], float] | None = None) -> None:
         if log:
             if not high > low > 0:
                 low, high = (low / 2, low * 2) if low > 0 else (0.1, 1.0)
@@ -52,6 +53,7 @@ class Axis:
             low, high = low - 0.5, low + 0.5
         self.low, self.high, self.log = low, high, log
         self.start, self.end = 0.0, 1.0
+        self._shown, self._back = shown, back
 
     def place(self, values: Floats | float) -> Floats:
         v = np.asarray(values, dtype=np.float64)
@@ -62,8 +64,13 @@ class Axis:
             part = (v - self.low) / (self.high - self.low)
         return np.asarray(self.start + part * (self.end - self.start))
 
-    def ticks(self) -> list[float]:
-        return _log_ticks(self.low, self.high) if self.log else _linear_ticks(self.low, self.high)
+    def ticks(self) -> list[tuple[float, str]]:
+        """Where, and what is written there."""
+        make = _log_ticks if self.log else _linear_ticks
+        if self._shown is None or self._back is None:
+            return [(t, label(t)) for t in make(self.low, self.high)]
+        ends = sorted((self._shown(self.low), self._shown(self.high)))
+        return [(self._back(t), label(t)) for t in make(*ends)]
 
 
 class Plot:
@@ -111,14 +118,14 @@ class Plot:
     def svg(self) -> str:
         frame = []
         right, bottom = WIDTH - RIGHT, self.height - BOTTOM
-        for t in self.x.ticks():
+        for t, words in self.x.ticks():
             p = number(float(self.x.place(t)))
             frame.append("<path class='grid' d='M%s %sV%s'/><text x='%s' y='%s' text-anchor='middle'>%s</text>" % (
-                p, number(TOP), number(bottom), p, number(bottom + 14), label(t)))
-        for t in self.y.ticks():
+                p, number(TOP), number(bottom), p, number(bottom + 14), words))
+        for t, words in self.y.ticks():
             q = float(self.y.place(t))
             frame.append("<path class='grid' d='M%s %sH%s'/><text x='%s' y='%s' text-anchor='end'>%s</text>" % (
-                number(LEFT), number(q), number(right), number(LEFT - 5), number(q + 4), label(t)))
+                number(LEFT), number(q), number(right), number(LEFT - 5), number(q + 4), words))
         middle = number((TOP + bottom) / 2)
         return ("<svg viewBox='0 0 %s %s' role='img' aria-label='%s'>%s"
                 "<svg x='%s' y='%s' width='%s' height='%s' viewBox='%s %s %s %s'>%s</svg>"
@@ -133,29 +140,38 @@ class Plot:
             html.escape(self._y_label))
 
 
-def polar(curves: Sequence[tuple[Floats, Floats, str]], dots: Sequence[tuple[Floats, Floats, str]], description: str) -> str:
-    """Half a disc: angle in degrees from the normal (up), radius in units of the largest."""
+def polar(curves: Sequence[tuple[Floats, Floats, str]], dots: Sequence[tuple[Floats, Floats, str]], view: float,
+          description: str) -> str:
+    """Half a disc: angle in degrees from the normal (up), radius in units of the largest; a line towards the viewer, at
+    `view` degrees to the left."""
     top = max([float(np.nanmax(r)) for _, r, _ in [*curves, *dots] if len(r)] or [1.0]) or 1.0
-    cx, cy, size = WIDTH / 2, 178.0, 160.0
+    cx, cy, size = WIDTH / 2, 182.0, 150.0
     parts = []
+
+    def at(angle: float, radius: float) -> str:
+        a = math.radians(angle)
+        return "%s %s" % (number(cx + radius * math.sin(a)), number(cy - radius * math.cos(a)))
+
     for part in (0.25, 0.5, 0.75, 1.0):
-        parts.append("<path class='grid' d='M%s %sA%s %s 0 0 1 %s %s'/>" % (
-            number(cx - part * size), number(cy), number(part * size), number(part * size), number(cx + part * size), number(cy)))
+        arc = number(part * size)
+        parts.append("<path class='grid' d='M%sA%s %s 0 0 1 %s'/>" % (at(-90, part * size), arc, arc, at(90, part * size)))
     for angle in range(-90, 91, 30):
-        s, c = math.sin(math.radians(angle)), math.cos(math.radians(angle))
-        parts.append("<path class='grid' d='M%s %sL%s %s'/><text x='%s' y='%s' text-anchor='middle'>%s°</text>" % (
-            number(cx), number(cy), number(cx + size * s), number(cy - size * c), number(cx + (size + 11) * s),
-            number(cy - (size + 8) * c + 4), label(angle)))
+        x, y = at(angle, size + 15).split()
+        parts.append("<path class='grid' d='M%sL%s'/><text x='%s' y='%s' text-anchor='middle'>%s°</text>" % (
+            at(angle, 0), at(angle, size), x, number(float(y) + 4), label(angle)))
+    # Beside its line, on the side that is free: of a low one above, of a steep one to the left.
+    x, y = at(-view + 7 if view > 30 else -view - 6, size * 0.8).split()
+    parts.append("<path class='line faint dash' d='M%sL%s'/><text x='%s' y='%s' text-anchor='%s'>view</text>" % (
+        at(-view, 0), at(-view, size), x, y, "middle" if view > 30 else "end"))
     for angles, radii, kind in curves:
-        a, r = np.radians(angles), radii / top * size
-        points = ["%s %s" % (number(cx + q * math.sin(p)), number(cy - q * math.cos(p))) for p, q in zip(a, r) if math.isfinite(q)]
+        points = [at(float(p), float(q)) for p, q in zip(angles, radii / top * size) if math.isfinite(q)]
         if points:
             parts.append("<path class='%s' d='M%s'/>" % (kind, "L".join(points)))
     for angles, radii, kind in dots:
-        a, r = np.radians(angles), np.maximum(radii, 0) / top * size
-        path = "".join("M%s %sh0" % (number(cx + q * math.sin(p)), number(cy - q * math.cos(p))) for p, q in zip(a, r))
-        parts.append("<path class='dot %s' stroke-width='5' d='%s'/>" % (kind, path))
+        path = "".join("M%sh0" % at(float(p), float(q)) for p, q in zip(angles, np.maximum(radii, 0) / top * size))
+        if path:
+            parts.append("<path class='dot %s' stroke-width='4.4' d='%s'/>" % (kind, path))
     parts.append("<text x='%s' y='%s' text-anchor='middle'>outer circle: f_r = %s sr⁻¹</text>" % (
         number(cx), number(cy + 24), label(top)))
-    return "<svg viewBox='0 0 %s 212' role='img' aria-label='%s'>%s</svg>" % (
+    return "<svg viewBox='0 0 %s 214' role='img' aria-label='%s'>%s</svg>" % (
         number(WIDTH), html.escape(description, quote=True), "".join(parts))
