@@ -65,10 +65,10 @@ def problems(folder, sources):
                 yield "%s: %s: %s" % (here, link, wrong)
     names = set().union(*(page.names for page in pages.values()))
     yield from ("%s is in no page of the reference" % name for name in api_pages.exported() if name not in names)
-    # The tutorial was run: its figures are there.
-    tutorial = pages.get((folder / "tutorial.html").resolve())
-    if tutorial is None or tutorial.images < 4:
-        yield "tutorial.html has no figures: the notebook was not run"
+    for name, least in (("tutorial.html", 4), ("maps.html", 1), ("proof.html", 7)):
+        page = pages.get((folder / name).resolve())
+        if page is None or page.images < least:
+            yield "%s has fewer than %d figures: its cells were not run" % (name, least)
 
 
 def check(folder, sources):
