@@ -85,6 +85,11 @@ def test_zarr_to_zarr(stack, local, tmp_path):
     assert {k: stats[k] for k in ("texels", "certified", "bad_value", "no_signal")} == {
         "texels": 480, "certified": 478, "bad_value": 1, "no_signal": 1} == {k: local.stats[k] for k in (
             "texels", "certified", "bad_value", "no_signal")}
+    again = brdffit.dask.open_maps(tmp_path / "m.zarr")
+    same_bits(again.load(), local)
+    assert again.load().options == local.options and (again.quantity, again.samples) == ("brdf", 84)
+    with pytest.raises(brdffit.DataError, match="holds no maps"):
+        brdffit.dask.open_maps(zarr.open_group(str(tmp_path / "other.zarr"), mode="w"))
     # Named for whoever opens the store without this package.
     opened = xarray.open_zarr(tmp_path / "m.zarr", consolidated=False)
     assert opened.specular.dims == ("row", "column", "channel", "lobe") and opened.e2.dims == ("row", "column")

@@ -161,6 +161,15 @@ def open_maps(output: Any, layout: Layout, overwrite: bool, stack: Any) -> tuple
     return group, False
 
 
+def find_maps(path: Any) -> tuple[Any, dict[str, Any]]:
+    """The group of maps that were written, and its manifest."""
+    group = _group(path, mode="r")
+    found = _manifest_of(group)
+    if not isinstance(found, dict) or found.get("schema") != SCHEMA:
+        raise DataError("%s holds no maps that this version of brdffit can read" % group.store_path, code="format")
+    return group, found
+
+
 def _make_arrays(group: Any, layout: Layout) -> None:
     """Those that are missing."""
     for field in layout.fields:

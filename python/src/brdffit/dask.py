@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     from .maps import FitMap
 
-__all__ = ["TOPIC", "ChunkWarning", "MapArrays", "fit_map", "is_scaled"]
+__all__ = ["TOPIC", "ChunkWarning", "MapArrays", "fit_map", "is_scaled", "open_maps"]
 
 
 def is_scaled(values: Any) -> bool:
@@ -100,6 +100,20 @@ class MapArrays(Mapping[str, Any]):
                      quantity=self.quantity, options=self.options, stats={}, seconds=seconds)
         stats = dict(zip(names, total)) | out.counts | {"texels": int(out.status.size)}
         return dataclasses.replace(out, stats=stats)
+
+
+def open_maps(path: Any) -> MapArrays:
+    """What `fit_map` wrote to an output, finished or not: a path, URL, zarr store or group. xarray.open_zarr opens it too.
+
+    Raises `DataError` when it holds something else, and zarr's own errors when there is nothing.
+    """
+    _need("zarr")
+    group, about = store.find_maps(path)
+    asked: dict[str, Any] = {
+        name: tuple(value) if isinstance(value, list) else value for name, value in about["options"].items()}
+    named = {field.name: group[field.stored] for field in store.fields(about["channels"], asked["lobes"])}
+    return MapArrays(named, None, {"options": Options(**asked), "quantity": about["quantity"],
+                                   "samples": about["samples"], "own": about["own"]}, group)
 
 
 @dataclasses.dataclass(frozen=True)
