@@ -7,6 +7,7 @@ SPDX-License-Identifier: MIT
 """
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -41,6 +42,14 @@ def fill(path, **places):
     path.write_text(text, encoding="utf-8")
 
 
+def adopt(text):
+    """A page of the repository as one of these: its links to files lead nowhere here, and a dollar is no formula."""
+    text = re.sub(r"(?<!!)\[([^\]\n]+)\]\((?!https?:|#)[^)\n]*\)", r"\1", text)
+    parts = re.split(r"(```.*?```|`[^`\n]*`)", text, flags=re.S)
+    parts[::2] = [part.replace("$", "\\$") for part in parts[::2]]
+    return "".join(parts)
+
+
 def stage(source, build):
     """A copy of docs/ with the generated pages beside the written ones."""
     shutil.rmtree(source, ignore_errors=True)
@@ -50,6 +59,8 @@ def stage(source, build):
     fill(source / "python.md", PAGES="\n".join("api/" + page for page in api_pages.write(source / "api")))
     fill(source / "cli.md", COMMANDS="\n".join("## brdffit %s\n\n```{program-help} brdffit %s\n```\n" % (name, name)
                                                for name in program_help.commands(build / "brdffit")))
+    for name in ("RESULTS", "CHANGELOG"):
+        (source / (name.lower() + ".md")).write_text(adopt((ROOT / (name + ".md")).read_text(encoding="utf-8")), encoding="utf-8")
     (source / "c").mkdir()
     for name, first in (("brdffit", "Version and limits"), ("brdffit_io", "Measurements")):
         text = (ROOT / "include" / (name + ".h")).read_text(encoding="utf-8")
