@@ -5,6 +5,7 @@
 writes BUILD/docs/html; BUILD holds the library and the programs. Nothing is written elsewhere. Warnings are errors.
 SPDX-License-Identifier: MIT
 """
+import dataclasses
 import os
 import pathlib
 import re
@@ -67,6 +68,17 @@ def stage(source, build):
         (source / "c" / (name + ".rst")).write_text(c_header.page(text, name + ".h", first), encoding="utf-8")
 
 
+def example(folder):
+    """A report as users get it, beside the pages."""
+    import brdffit
+    import brdffit.report
+
+    samples = brdffit.Samples.from_csv(pathlib.Path(brdffit.__file__).parent / "two_lobe_satin.csv")
+    named = dataclasses.replace(samples, file="two_lobe_satin.csv")
+    folder.mkdir()
+    (folder / "example_report.html").write_text(brdffit.report.page(named, "two_lobe_satin"), encoding="utf-8")
+
+
 def main():
     build = pathlib.Path(sys.argv[1]).resolve()
     if os.environ.get("BRDFFIT_DOCS") != "1":  # once more, with that environment
@@ -84,6 +96,7 @@ def main():
     # The kernel would warn that it listens to this machine without encryption.
     (profile / "ipython_kernel_config.py").write_text("c.IPKernelApp.log_level = 'ERROR'\n", encoding="utf-8")
     figures.draw(source / "figures")
+    example(source / "extra")
     shutil.rmtree(html, ignore_errors=True)
     done = subprocess.run([sys.executable, "-m", "sphinx", "-q", "-b", "html", "-W", "--keep-going", "-n", "-E", "-d",
                            str(docs / "doctrees"), str(source), str(html)])

@@ -19,13 +19,14 @@ version = release = brdffit.__version__
 
 extensions = ["sphinx.ext.autodoc", "sphinx.ext.autosummary", "myst_nb", "ext.docstrings", "ext.mathml", "ext.program_help"]
 source_suffix = {".rst": "restructuredtext", ".md": "myst-nb", ".ipynb": "myst-nb"}
-exclude_patterns = ["ext", "requirements.txt"]
+exclude_patterns = ["ext", "extra", "requirements.txt"]
 root_doc = "index"
 
 # Nothing is fetched: no intersphinx, no scripts or fonts from elsewhere, formulae as MathML.
 html_theme = "furo"
 html_math_renderer = "mathml"
 html_static_path = ["static"]
+html_extra_path = ["extra"]
 html_css_files = ["brdffit.css"]
 html_title = "brdffit " + release
 html_copy_source = False
