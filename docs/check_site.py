@@ -2,6 +2,7 @@
 import html.parser
 import json
 import pathlib
+import re
 import sys
 import urllib.parse
 
@@ -52,6 +53,15 @@ def _notebooks(sources):
                 yield "%s: cell %d is stored with its output; clear it" % (path.name, number)
 
 
+def _declared(headers):
+    """What the headers declare, as the C reference should hold it: told by other means than ext/c_header.py's."""
+    for path in sorted(headers.glob("*.h")):
+        text = re.sub(r"/\*.*?\*/", "", path.read_text(encoding="utf-8"), flags=re.S)
+        yield from re.findall(r"^BRDFFIT_API\s[^;(]*?(\w+)\(", text, re.M)
+        yield from re.findall(r"typedef (?:struct|enum) (\w+)", text)
+        yield from re.findall(r"^ +(BRDFFIT_[A-Z0-9_]+)(?: = \w+)?,?$", re.sub(r"[ \t]+$", "", text, flags=re.M), re.M)
+
+
 def problems(folder, sources):
     pages = {path.resolve(): Page(path) for path in sorted(folder.rglob("*.html"))}
     yield from _notebooks(sources)
@@ -65,6 +75,11 @@ def problems(folder, sources):
                 yield "%s: %s: %s" % (here, link, wrong)
     names = set().union(*(page.names for page in pages.values()))
     yield from ("%s is in no page of the reference" % name for name in api_pages.exported() if name not in names)
+    places = {name.rpartition(".")[2] for name in names if name.startswith("c.")}  # a constant's is in its enum's
+    declared = sorted(set(_declared(sources.parent / "include")))
+    yield from ("%s is in no page of the reference" % name for name in declared if name not in places)
+    if len(declared) < 100:
+        yield "only %d names are declared in the headers: they were not understood" % len(declared)
     for name, least in (("tutorial.html", 4), ("maps.html", 1), ("proof.html", 7)):
         page = pages.get((folder / name).resolve())
         if page is None or page.images < least:
