@@ -8,6 +8,7 @@ SPDX-License-Identifier: MIT
 """
 from __future__ import annotations
 
+import importlib.util
 from typing import TYPE_CHECKING, Any
 
 from ._ffi import LibraryError
@@ -33,6 +34,8 @@ __all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "DataError", "FileError", "
            "LightPositions", "MapProgress", "MerlTable", "Options", "OptionError", "OutOfMemoryError", "Progress", "RGLMaterial",
            "Samples", "Stack", "UnsupportedError", "__version__", "fit", "fit_boxes", "fit_many", "fit_map", "library_path",
            "load_lp", "load_merl", "load_rgl", "load_stack", "protocol84"]
+if importlib.util.find_spec("sklearn") is None:
+    __all__.remove("BRDFRegressor")  # which cannot be imported: `import *` would fail for everything
 
 
 def library_path() -> str:
