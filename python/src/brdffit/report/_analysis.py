@@ -187,9 +187,12 @@ def objective(material: Material, sigma: Floats, lobes: int) -> Floats | None:
     for start in range(0, len(s), LARGE // 2):
         part = _part(s, slice(start, start + LARGE // 2))
         at = places(part, material.options.max_incidence)
-        root = np.ones((len(part), 1)) if part.weights is None else np.sqrt(np.maximum(part.weights, 0))[:, None]
-        root, data = root[at.used], at.radiance[at.used] / fit.channel_scale
-        columns = [_column(fit, part, at, 1.0, sigma[0], 0.0), *(_column(fit, part, at, 0.0, v, 1.0) for v in sigma)]
+        used = np.flatnonzero(at.used)
+        if len(used) == 0:
+            continue
+        part, data = _part(part, used), at.radiance[used] / fit.channel_scale
+        root = np.ones((len(part), 1)) if part.weights is None else np.sqrt(part.weights)[:, None]
+        columns = [_column(fit, part, 1.0, sigma[0], 0.0), *(_column(fit, part, 0.0, v, 1.0) for v in sigma)]
         matrix = np.stack(columns, 1) * root
         gram += matrix.T @ matrix
         t += matrix.T @ (data * root)
@@ -206,7 +209,7 @@ def objective(material: Material, sigma: Floats, lobes: int) -> Floats | None:
     return np.asarray(np.maximum(total - gain, 0))
 
 
-def _part(s: Samples, rows: slice) -> Samples:
+def _part(s: Samples, rows: slice | npt.NDArray[np.intp]) -> Samples:
     members: dict[str, Any] = {f.name: getattr(s, f.name) for f in dataclasses.fields(s)}
     for name, value in members.items():
         if isinstance(value, np.ndarray) and name != "_merl_directions":
@@ -214,9 +217,9 @@ def _part(s: Samples, rows: slice) -> Samples:
     return Samples(**members)
 
 
-def _column(fit: Fit, s: Samples, at: Places, x: float, sigma: float, y: float) -> Floats:
+def _column(fit: Fit, s: Samples, x: float, sigma: float, y: float) -> Floats:
     one = dataclasses.replace(fit, lobes=1, sigma=np.array([sigma]), x=np.array([x]), y=np.array([[y]]), channels=("",))
-    column: Floats = one.predict_samples(s, quantity="radiance")[at.used, 0]
+    column: Floats = one.predict_samples(s, quantity="radiance")[:, 0]
     return column
 
 
