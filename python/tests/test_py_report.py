@@ -27,7 +27,9 @@ def pages(instruments, tmp_path_factory):
     bad = tmp_path_factory.mktemp("bad") / "bad.csv"
     bad.write_text("theta_i,theta_o,r\n0,0,x\n")
     assert report.main(["-q", "-o", str(folder), *(str(instruments / name) for name in FILES), str(bad)]) == 3
-    assert report.main(["-q", "-o", str(folder / "open"), "--box-budget", "30", str(instruments / FILES[0])]) == 4
+    long = bad.with_name("a-name-of-sixty-letters-without_a_place_to_break_it_is_as_bad.csv")
+    long.write_bytes((instruments / FILES[0]).read_bytes())
+    assert report.main(["-q", "-o", str(folder / "open"), "--box-budget", "30", str(long), str(instruments / FILES[0])]) == 4
     assert report.main(["-q", "-o", str(folder / "phong"), "--distribution", "blinn-phong", str(instruments / FILES[0])]) == 0
     return folder
 
@@ -57,6 +59,7 @@ def test_index(pages):
     text = (pages / "index.html").read_text()
     assert "4 of 5 files fitted, 4 certified, 1 failed." in text
     assert re.search(r"bad\.csv</b>: line 2, field 3, sample 0, channel 0: the field is not a number", text)
+    assert "2 of 2 files fitted, 0 certified, 2 open." in (pages / "open" / "index.html").read_text()
     for name in FILES:
         link = re.sub(r"\..*", ".html", name)
         assert "<a href='%s'>" % link in text and (pages / link).exists()
