@@ -134,13 +134,13 @@ def test_bounds_stay_below_the_curve():
         assert np.all(at > 0) and np.all(at <= exact * slack)
 
 
-@pytest.mark.parametrize("distribution", ("beckmann", "ggx"))
+@pytest.mark.parametrize("distribution", ("beckmann", "ggx", "blinn-phong"))
 def test_near_optimal_models_are_inside(distribution):
     """Every model within 1 % of the optimum that a fine grid finds has its roughness in the intervals."""
     material = analysis.measure("satin", brdffit.Samples.example(), {"distribution": distribution}, 2)
     for lobes in (1, 2):
         fit = material.fits[lobes]
-        share, intervals = analysis.near_optimal(material, lobes)
+        share, intervals = material.near[lobes]
         assert share == 0.01
         sigma = np.unique(np.concatenate([f * np.geomspace(0.8, 1.25, 120) for f in fit.sigma]))
         good = analysis.objective(material, sigma, lobes) <= (1 + share) * fit.lower_bound
@@ -149,7 +149,8 @@ def test_near_optimal_models_are_inside(distribution):
         places.sort(axis=1)
         for p, (low, high) in enumerate(intervals):
             assert low <= places[:, p].min() and places[:, p].max() <= high
-            assert high / low < 1.5 or distribution == "ggx"  # which data of two Beckmann lobes hardly tell
+            # The data are of two Beckmann lobes: others they hardly tell.
+            assert high / low < 1.5 if lobes == 1 else high / low < 1.1 or distribution != "beckmann"
 
 
 @pytest.mark.parametrize("lobes", (1, 2))

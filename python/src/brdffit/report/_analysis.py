@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from typing import Any
+from typing import Any, Callable
 
 import numpy as np
 import numpy.typing as npt
@@ -11,14 +11,21 @@ import numpy.typing as npt
 from .. import _words
 from .._arrays import Floats
 from ..boxes import Boxes, fit_boxes
+from ..errors import BrdffitError
 from ..fit import Fit
+from ..fit import fit as brdffit_fit
 from ..merl import MerlTable, load_merl
-from ..options import Options
+from ..options import BY_EXPONENT, Options
 from ..samples import Samples
 
 # Points of the exact curves, with one lobe and with two, and of large tables: they evaluate every sample at each.
 GRID_ONE, GRID_TWO, GRID_LARGE = 240, 72, 40
 LARGE = 100_000
+
+
+# A share, and per lobe the smallest and largest sigma that a model within (1 + share) of the fit's objective can have,
+# certified. 1 %, or what the gap that was asked for can tell.
+Near = tuple[float, list[tuple[float, float]]]
 
 
 @dataclasses.dataclass
@@ -36,6 +43,7 @@ class Material:
     fits: dict[int, Fit]
     boxes: dict[int, Boxes]
     leaves: dict[int, npt.NDArray[np.bool_]]
+    near: dict[int, Near]
     views: Samples | None
 
     @property
@@ -47,12 +55,13 @@ def measure(name: str, samples: Samples, options: dict[str, Any], lobes: int) ->
     table = None
     if samples.format == "merl" and samples.file is not None:
         table = load_merl(samples.file, bins=samples.merl_bins or "edge")
-    fits, boxes, leaves = {}, {}, {}
+    fits, boxes, leaves, near = {}, {}, {}, {}
     for count in sorted({1, lobes}):
         fits[count], boxes[count] = fit_boxes(samples, **{**options, "lobes": count})
         leaves[count] = leaf(boxes[count])
+        near[count] = near_optimal(samples, Options(**{**options, "lobes": count}), fits[count], boxes[count], leaves[count])
     views = samples if samples.form == "directions" else None if table is None else _look_up(table, samples.channels)
-    return Material(name, samples, table, Options(**{**options, "lobes": lobes}), fits, boxes, leaves, views)
+    return Material(name, samples, table, Options(**{**options, "lobes": lobes}), fits, boxes, leaves, near, views)
 
 
 def _look_up(table: MerlTable, channels: tuple[str, ...]) -> Samples:
@@ -255,17 +264,48 @@ def sigma_grid(material: Material, lobes: int) -> Floats:
     return np.unique(np.clip(np.concatenate([np.geomspace(low, high, count), *near]), low, high))
 
 
-def near_optimal(material: Material, lobes: int) -> tuple[float, list[tuple[float, float]]]:
-    """A share, and per lobe the smallest and largest sigma that a model within (1 + share) of the fit's objective can
-    have, certified: every box outside is proven worse. 1 %, or what the gap that was asked for can tell."""
-    fit, boxes = material.fits[lobes], material.boxes[lobes]
+def near_optimal(samples: Samples, options: Options, fit: Fit, boxes: Boxes, leaves: npt.NDArray[np.bool_]) -> Near:
+    """Every box outside is proven worse."""
     share = max(0.01, 2 * fit.relative_gap)
-    keep = material.leaves[lobes] & (boxes.lower_bound <= (1 + share) * fit.e2)
+    level = (1 + share) * fit.e2
+    keep = leaves & (boxes.lower_bound <= level)
     out = []
-    for p in range(lobes):
+    for p in range(fit.lobes):
         low, high = boxes.sigma_low[keep, p], boxes.sigma_high[keep, p]
         out.append((float(min([fit.sigma[p], *low])), float(max([fit.sigma[p], *high]))))
+    if fit.norm == "l2" and fit.e2 > 0 and len(samples) <= LARGE:
+        # The search halved no box that was already worse than the fit, even if by less than the share. Searches of a part
+        # of the range say more: if all lobes are below some sigma, so is the wider one; if above, the sharper one.
+        least, most = fit.sigma_range
+        first, last = out[0], out[-1]
+        out[-1] = (_shrink(samples, options, level, last[0], float(fit.sigma[-1]), lambda x: (least, x)), last[1])
+        out[0] = (out[0][0], _shrink(samples, options, level, first[1], float(fit.sigma[0]), lambda x: (x, most)))
     return share, out
+
+
+def _shrink(samples: Samples, options: Options, level: float, end: float, inside: float,
+            beyond: Callable[[float], tuple[float, float]]) -> float:
+    """`end`, moved towards `inside` as far as the range beyond it is proven to hold nothing below `level`."""
+    members = {f.name: getattr(options, f.name) for f in dataclasses.fields(options)}
+    members["box_budget"] = min(options.box_budget, 10000)
+    for _ in range(12):
+        middle = float(np.sqrt(end * inside))
+        low, high = beyond(middle)
+        if not high > low > 0:
+            break
+        if options.distribution in BY_EXPONENT:  # a little more than the range, so that rounding leaves nothing out
+            members["exponent_range"] = (high**-2 * (1 - 1e-12), low**-2 * (1 + 1e-12))
+        else:
+            members["sigma_range"] = (low, high)
+        try:
+            worse = brdffit_fit(samples, **members).lower_bound > level
+        except BrdffitError:  # no range of its own: nothing is proven there
+            break
+        if worse:
+            end = middle
+        else:
+            inside = middle
+    return end
 
 
 def bound_steps(boxes: Boxes, leaves: npt.NDArray[np.bool_], low: float, high: float) -> tuple[Floats, Floats]:

@@ -15,7 +15,7 @@ table{border-collapse:collapse;font-size:.92rem;font-variant-numeric:tabular-num
 th,td{white-space:nowrap;padding:3px 10px 3px 0;text-align:right;border-bottom:1px solid var(--line);overflow-wrap:normal}
 th:first-child,td:first-child{text-align:left}thead th{color:var(--soft);font-weight:500;white-space:normal;vertical-align:bottom}
 td.left,th.left{text-align:left}td.words{white-space:normal;text-align:left;min-width:9em}tr.failed td{color:var(--bad)}
-table.index th.left{white-space:normal;overflow-wrap:anywhere;min-width:6em}
+table.index th[scope=row]{white-space:normal;overflow-wrap:anywhere;min-width:6em}
 td.ball{padding:2px 10px 2px 0}td.ball img{display:block;width:40px;height:40px}.failed{color:var(--bad)}
 .badge{font-size:.8rem;font-weight:500;padding:2px 9px;border-radius:1em;border:1px solid var(--ok);color:var(--ok);white-space:nowrap;
 vertical-align:middle}.badge.open{border-color:var(--bad);color:var(--bad)}summary{cursor:pointer;
