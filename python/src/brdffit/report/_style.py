@@ -41,7 +41,7 @@ svg .grid{display:inline;stroke:var(--line);stroke-width:.6;fill:none}
 .key.near{color:#d4a72c}.key.square::before{border-radius:0}
 .best{stroke:var(--c0);stroke-opacity:1}.near{fill:var(--near)}.boxes{fill:none;stroke:#fff;stroke-opacity:.45;stroke-width:.35}
 @media (max-width:480px){table{font-size:.73rem}th,td{padding-right:4px}th:last-child,td:last-child{padding-right:0}table.index .less{display:none}
-table.index .wrap{white-space:normal;word-spacing:99px}}
+table.index .each span{display:block}}
 @page{margin:14mm}
 @media print{:root{color-scheme:light;--bg:#fff;--ink:#000;--soft:#444;--line:#ccc;--card:#fff;--ok:#1a7f37;--bad:#9a6700;--c0:#c62828;
 --c1:#2e7d32;--c2:#1e5fc1;--c3:#1d2329;--bound:#8250df;--near:#d4a72c40}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}
