@@ -74,7 +74,7 @@ BENCH := $(sort $(wildcard tools/bench/bench_*.c))
 TESTS := $(sort $(wildcard tests/test_*.c))
 REFERENCES := $(sort $(wildcard tests/ref/*.c))
 FUZZ := $(sort $(wildcard tests/fuzz/*.c))
-TEST_SUPPORT := $(call object,$(wildcard tests/verify.c tests/support.c))
+TEST_SUPPORT := $(call object,$(wildcard tests/batch.c tests/verify.c tests/support.c))
 SCRIPTS := $(sort $(wildcard tests/check_*.sh))
 MANUALS := $(wildcard tools/brdffit/brdffit.1)
 
@@ -92,7 +92,7 @@ BENCH_PROGRAMS := $(call program,$(BENCH))
 # ---- Targets -----------------------------------------------------------------
 
 .PHONY: all libraries programs test-programs demo deps deps-check check check-build check-c check-scripts \
-        check-asan check-python install uninstall clean distclean help FORCE
+        check-asan check-python check-docs docs install uninstall clean distclean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 .SUFFIXES:
@@ -112,6 +112,7 @@ help:
 	@echo 'make check-asan  C tests and command line under AddressSanitizer and UBSan'
 	@echo 'make check-package  the Python package: wheel, sdist, editable, ECOS=0, removal, in fresh environments'
 	@echo 'make deps        only install what is missing (Debian; elsewhere: say what is missing)'
+	@echo 'make docs        the documentation, in $(BUILD)/docs/html'
 	@echo 'make install     to $(prefix) (PREFIX, DESTDIR, bindir, libdir, ... are honoured)'
 	@echo 'make uninstall   remove what install put there'
 	@echo 'make peers       levmar and Ceres, local solvers to compare with (downloads them; GPL)'
@@ -333,11 +334,24 @@ demo:
 	@$(MAKE) --no-print-directory all
 	@sh tools/setup/demo.sh '$(BUILD)'
 
+# Figures and notebook run the library; a warning, a cell that fails or a bound above the truth ends the build.
+DOCS_VENV ?= $(BUILD)/docs_venv
+docs: all
+	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(DOCS_VENV)' docs/requirements.txt
+	@'$(DOCS_VENV)/bin/python' docs/build.py '$(BUILD)'
+
+ifeq ($(ECOS),0)
+check-docs:
+	@echo 'The documentation compares both engines and needs ECOS: not built.'
+else
+check-docs: docs
+endif
+
 check: deps
 	@[ '$(BROWSER)' = 0 ] || sh tools/setup/deps.sh install browser || \
 	    echo 'No Chromium: the test of the pages of brdffit report in a browser is skipped.' >&2
 	@$(MAKE) --no-print-directory check-build
-	@failed=; for part in check-c check-scripts check-asan check-python; do \
+	@failed=; for part in check-c check-scripts check-asan check-python check-docs; do \
 	    $(MAKE) --no-print-directory $$part || failed="$$failed $$part"; \
 	done; \
 	if [ -n "$$failed" ]; then echo "make check: FAILED in$$failed" >&2; exit 1; fi; \
@@ -385,6 +399,7 @@ clean:
 	rm -rf $(BUILD)/obj $(BUILD)/obj-noecos $(BUILD)/tests $(BUILD)/asan $(BUILD)/ecos0 $(BUILD)/demo
 	rm -rf $(BUILD)/install $(BUILD)/whole $(BUILD)/python $(BUILD)/pycache $(BUILD)/pytest_cache
 	rm -f $(BUILD)/libbrdffit* $(BUILD)/*.pc $(BUILD)/*.flags $(BUILD)/brdffit $(BUILD)/goniometer $(BUILD)/bench_*
+	rm -rf $(BUILD)/docs
 
 distclean:
 	rm -rf $(BUILD) python/src/brdffit/_lib

@@ -143,19 +143,6 @@ def test_units_and_errors_are_written_short():
     assert bench_text.knob("grid", 2.0 ** -11) == "step 2^-11" and bench_text.knob("moment", 1e-3) == "gap 1e-3"
 
 
-def test_the_section_replaces_itself_only(tmp_path):
-    from importlib import util
-
-    spec = util.spec_from_file_location("bench_report", ROOT / "tools" / "bench" / "report.py")
-    report = util.module_from_spec(spec)
-    spec.loader.exec_module(report)
-    path = tmp_path / "RESULTS.md"
-    path.write_text("# Results\n\nother\n")
-    for text in ("first", "second"):
-        report.put(path, f"<b>\n{text}\n<e>\n", "<b>", "<e>")
-    assert path.read_text() == "# Results\n\nother\n\n<b>\nsecond\n<e>\n"
-
-
 # ---- Programs ----------------------------------------------------------------------------------------------------------
 
 

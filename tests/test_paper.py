@@ -20,7 +20,7 @@ sys.path.insert(0, str(ROOT / "tools" / "paper"))
 import arithmetic  # noqa: E402
 import paper  # noqa: E402
 import programs  # noqa: E402
-import report  # noqa: E402
+import results  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -138,10 +138,10 @@ def test_results_replace_their_own_section_only(tmp_path):
     path = tmp_path / "RESULTS.md"
     path.write_text("# Results\n\nmine\n")
     for text in ("first", "second"):
-        report.put(path, f"{report.BEGIN}\n{text}\n{report.END}\n")
+        results.put(path, f"<b>\n{text}\n<e>\n", "<b>", "<e>")
     path.write_text(path.read_text() + "\nlast\n")
-    report.put(path, f"{report.BEGIN}\nthird\n{report.END}\n")
-    assert path.read_text() == f"# Results\n\nmine\n\n{report.BEGIN}\nthird\n{report.END}\n\nlast\n"
+    results.put(path, "<b>\nthird\n<e>\n", "<b>", "<e>")
+    assert path.read_text() == "# Results\n\nmine\n\n<b>\nthird\n<e>\n\nlast\n"
 
 
 # ---- Goniometer ------------------------------------------------------------------------------------------------------

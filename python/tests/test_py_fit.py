@@ -232,3 +232,21 @@ def test_memory_stays_flat():
         brdffit.fit(samples), brdffit.Samples.example()
     # One lost workspace's touched pages, or 300 lost tables of 300 x 10 doubles, would be more than 2 MB.
     assert workspace > 0 and resident() - before < 2**21
+
+
+@pytest.mark.parametrize("options", [{"lobes": 2}, {"distribution": "lafortune", "lobes": 2}, {"norm": "linf"}], ids=str)
+def test_a_fit_has_every_member(options):
+    """fit() fills Fit's members in by itself: all of them, in shapes that from_dict gives, and none can be written to."""
+    try:
+        fit = brdffit.fit(brdffit.Samples.example(), **options)
+    except brdffit.UnsupportedError:
+        pytest.skip("this build has no ECOS")
+    names = [field.name for field in dataclasses.fields(brdffit.Fit)]
+    assert sorted(vars(fit)) == sorted(names)
+    again = brdffit.Fit.from_json(fit.to_json())
+    for name in names:
+        ours, theirs = getattr(fit, name), getattr(again, name)
+        assert type(ours) is type(theirs), name
+        if isinstance(ours, np.ndarray):
+            assert np.array_equal(ours, theirs) and ours.shape == theirs.shape and not ours.flags.writeable, name
+    assert dataclasses.replace(fit) is not fit and dataclasses.replace(fit).to_json() == fit.to_json()

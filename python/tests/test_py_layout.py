@@ -53,12 +53,13 @@ def test_enumerations():
     for names, function in ((_structs.DISTRIBUTION, core.brdffit_distribution_string), (_structs.NORM, core.brdffit_norm_string),
                             (_structs.ENGINE, core.brdffit_engine_string), (_structs.ISA, core.brdffit_isa_string),
                             (_structs.STOP, core.brdffit_stop_string), (_structs.SKIP, core.brdffit_skip_string),
-                            (_structs.DROP, io.brdffit_io_drop_string)):
+                            (_structs.TEXEL_STATUS, core.brdffit_texel_status_string), (_structs.DROP, io.brdffit_io_drop_string)):
         assert tuple(function(i).decode() for i in range(len(names))) == names
     text = header()
     for prefix, names in (("STATUS", _structs.STATUS), ("STOP", _structs.STOP), ("DISTRIBUTION", _structs.DISTRIBUTION),
                           ("NORM", _structs.NORM), ("ENGINE", _structs.ENGINE), ("ISA", _structs.ISA),
-                          ("SKIP", _structs.SKIP), ("IO_DROP", _structs.DROP)):
+                          ("SKIP", _structs.SKIP), ("TYPE", _structs.TYPE), ("TEXEL_STATUS", _structs.TEXEL_STATUS),
+                          ("IO_DROP", _structs.DROP)):
         block = re.sub(r"/\*.*?\*/", "", re.search(r"\{([^{}]*)BRDFFIT_%s_COUNT" % prefix, text).group(1), flags=re.S)
         assert len(re.findall(r"BRDFFIT_\w+", block)) == len(names), prefix
 

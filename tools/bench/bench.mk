@@ -62,6 +62,17 @@ $(BUILD)/curves: $(CURVES) $(CURVES_PEERS) $(PEERS_CERES) $(LEVMAR_OBJECTS) $(ST
 $(BUILD)/libcurves_reduced.so: $(CURVES_REDUCED) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
 	$(call say,LINK,$@)$(LINK) -shared -o $@ $(CURVES_REDUCED) $(STATIC_IO) $(STATIC) -lz -lm
 
+# What Python costs beside the same calls from C: both in one process, in turn. PYTHON_BENCH: options of the program.
+PYTHON_BENCH ?=
+.PHONY: bench-python
+$(BUILD)/libpython_direct.so: $(OBJ)/tools/bench/python_direct.o $(STATIC) $(BUILD)/link.flags
+	$(call say,LINK,$@)$(LINK) -shared -o $@ $< $(STATIC) -lm -pthread
+
+bench-python: $(BUILD)/libpython_direct.so $(SHARED) $(SHARED_IO)
+	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(BUILD)/bench_venv' tools/bench/requirements.txt
+	@PYTHONPATH=python/src PYTHONPYCACHEPREFIX='$(BUILD)/pycache' BRDFFIT_LIBRARY='$(abspath $(SHARED))' \
+	    '$(BUILD)/bench_venv/bin/python' tools/bench/python_overhead.py $(BUILD)/libpython_direct.so $(PYTHON_BENCH)
+
 bench: bench-programs
 	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(BUILD)/bench_venv' tools/bench/requirements.txt
 	@PYTHONPYCACHEPREFIX='$(BUILD)/pycache' '$(BUILD)/bench_venv/bin/python' tools/bench/report.py \
@@ -71,7 +82,8 @@ bench: bench-programs
 
 clean: clean-bench
 clean-bench:
-	rm -f $(BUILD)/curves $(BUILD)/families $(BUILD)/scaling $(BUILD)/kernel $(BUILD)/libcurves_reduced.so
+	rm -f $(BUILD)/curves $(BUILD)/families $(BUILD)/scaling $(BUILD)/kernel $(BUILD)/libcurves_reduced.so \
+	    $(BUILD)/libpython_direct.so
 .PHONY: clean-bench
 
 # These need nothing but the library, and tests run them.

@@ -10,15 +10,17 @@ import concurrent.futures
 import csv
 import os
 import pathlib
-import platform
 import shlex
 import sys
 import threading
 import time
 
+sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # for results.py
+
 import bench_arithmetic as a
 import bench_programs as p
 import bench_text
+import results
 from bench_programs import Failure, say
 
 # Of the peers, whose rows are cached, and of what every run measures again (engines, a few levmar starts).
@@ -162,18 +164,6 @@ class Bench:
         self.instructions = {lobes: p.count_instructions(self.programs, lobes, some) for lobes in (1, 2)}
 
 
-def machine():
-    name = platform.processor() or platform.machine()
-    try:
-        for line in pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                name = line.split(":", 1)[1].strip()
-                break
-    except OSError:
-        pass
-    return f"{name}, one of {os.cpu_count()} cores"
-
-
 def write_rows(path, rows, columns=None):
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, columns or list(rows[0]), lineterminator="\n")
@@ -195,20 +185,6 @@ def draw(bench):
     figure.overview(bench.out, bench.curves, len(bench.best) // 2)
     figure.by_set(bench.out, bench.curves, [name for name, _ in bench.sets])
     figure.scaling(bench.out, bench_text.cost_panels(bench))
-
-
-def put(path, text, begin, end):
-    """Replace the section between two markers of a Markdown file, or append it; other sections stay."""
-    path = pathlib.Path(path)
-    old = path.read_text(encoding="utf-8") if path.exists() else "# Results\n"
-    if begin in old and end in old:
-        head, rest = old.split(begin, 1)
-        new = head + text.rstrip("\n") + rest.split(end, 1)[1]
-    else:
-        new = old.rstrip("\n") + "\n\n" + text
-    part = path.with_name(path.name + ".part")
-    part.write_text(new, encoding="utf-8")
-    part.rename(path)
 
 
 def read_options(arguments):
@@ -257,13 +233,13 @@ def main(arguments):
             beside.join()
         else:
             run_steps(bench)
-        bench.machine, bench.evaluation = machine(), bench.evaluation_costs()
+        bench.machine, bench.evaluation = results.machine(), bench.evaluation_costs()
         write_files(bench)
         draw(bench)
         text = bench_text.section(bench)
         (bench.out / "results.md").write_text(text, encoding="utf-8")
         if options.results:
-            put(options.results, text, bench_text.BEGIN, bench_text.END)
+            results.put(options.results, text, bench_text.BEGIN, bench_text.END)
     except (Failure, OSError) as failure:
         say(f"bench: {failure}")
         return 1

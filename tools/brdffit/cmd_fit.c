@@ -13,8 +13,9 @@
 #include "report.h"
 
 typedef struct run {
-    const cli_settings *settings;
+    cli_settings *settings;
     cli_fitter fitter;
+    cli_shard shard;
     cli_progress progress;
     cli_output output;
     cli_style style;
@@ -97,6 +98,7 @@ static int fit_files(run *r)
             brdffit_cli_progress_file(&r->progress, i, path);
             brdffit_cli_job_run(&job, &r->fitter, path);
         }
+        job.position = brdffit_cli_shard_position(&r->shard, i);
         brdffit_cli_progress_erase(&r->progress);
         count_job(r, &job, i);
         const int failed = publish(r, &job);
@@ -136,7 +138,12 @@ static int run_fit(run *r)
     const int code = brdffit_cli_fitter_init(&r->fitter, r->settings);
     if (code != 0)
         return code;
-    r->bad = calloc(r->settings->file_count, 1);
+    if (r->settings->shard != NULL) {
+        if (brdffit_cli_shard_take(&r->shard, r->settings, &r->fitter.options, r->fitter.io.directions) != 0)
+            return brdffit_cli_no_memory();
+        r->fitter.shard = &r->shard;
+    }
+    r->bad = calloc(r->settings->file_count + 1, 1);
     if (r->bad == NULL)
         return brdffit_cli_no_memory();
     if (brdffit_cli_output_open(&r->output, r->settings->output) != 0)

@@ -8,11 +8,13 @@ int brdffit_cli_fit(int argc, char **argv);
 int brdffit_cli_eval(int argc, char **argv);
 int brdffit_cli_info(int argc, char **argv);
 int brdffit_cli_map(int argc, char **argv);
+int brdffit_cli_merge(int argc, char **argv);
 
 /* The help of a command on standard output. */
 void brdffit_cli_fit_help(void);
 void brdffit_cli_eval_help(void);
 void brdffit_cli_info_help(void);
 void brdffit_cli_map_help(void);
+void brdffit_cli_merge_help(void);
 
 #endif

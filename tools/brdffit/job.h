@@ -7,6 +7,7 @@
 #include "brdffit_io.h"
 #include "progress.h"
 #include "settings.h"
+#include "shard.h"
 
 /* Kept from file to file: the workspace is reused and grows as needed. */
 typedef struct cli_fitter {
@@ -19,11 +20,13 @@ typedef struct cli_fitter {
     void *verify_workspace; /* of --verify: the result still points into the other one */
     size_t verify_capacity;
     cli_progress *progress; /* or NULL */
+    const cli_shard *shard; /* of --shard, or NULL */
     double reduced_at;      /* clock when the reduction was done; 0: not yet */
 } cli_fitter;
 
 typedef struct cli_job {
     const char *path;
+    size_t position;      /* of --shard: the file's place on the command line, from 1 */
     brdffit_table *table; /* NULL when reading failed */
     brdffit_status status;
     brdffit_error error;

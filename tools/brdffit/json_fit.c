@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "failure.h"
+#include "shard.h"
 #include "words.h"
 
 static void place(cli_json *json, const char *key, size_t value, size_t add)
@@ -244,6 +245,7 @@ static void result_members(cli_json *json, const cli_job *job, const cli_fitter 
 void brdffit_cli_json_fit(cli_text *text, const cli_job *job, const cli_fitter *fitter)
 {
     cli_json json = {text, 0};
+    const size_t start = text->size;
     const int fitted = job->status == BRDFFIT_OK && !job->not_begun;
     brdffit_cli_json_open(&json, NULL, '{');
     brdffit_cli_json_string(&json, "schema", "brdffit.fit/1");
@@ -270,6 +272,8 @@ void brdffit_cli_json_fit(cli_text *text, const cli_job *job, const cli_fitter *
         brdffit_cli_json_number(&json, "search", job->search_seconds);
         brdffit_cli_json_close(&json, '}');
     }
+    if (fitter->shard != NULL)
+        brdffit_cli_shard_stamp(text, start, fitter->shard, job->position);
     brdffit_cli_json_close(&json, '}');
     brdffit_cli_text_puts(text, "\n");
 }

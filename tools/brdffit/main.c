@@ -27,6 +27,7 @@ static const command commands[] = {
     {"fit", brdffit_cli_fit, brdffit_cli_fit_help, "fit a model to measured files, with proof"},
     {"eval", brdffit_cli_eval, brdffit_cli_eval_help, "evaluate a fit at a file's directions"},
     {"map", brdffit_cli_map, brdffit_cli_map_help, "fit every texel of a stack of images"},
+    {"merge", brdffit_cli_merge, brdffit_cli_merge_help, "put together what fit and map --shard did"},
     {"info", brdffit_cli_info, brdffit_cli_info_help, "what is in a file and what would be used"},
 };
 #define COMMAND_COUNT (sizeof commands / sizeof *commands)

@@ -95,6 +95,9 @@ int brdffit_cli_map_load_tile(const cli_map *map, size_t tile, cli_map_counts *c
 char *brdffit_cli_map_path(const cli_map *map, const char *name);
 void brdffit_cli_map_forget(cli_map *map);
 
+/* Find and lock the work folder that parts have filled. */
+int brdffit_cli_map_reopen(cli_map *map, const char *target);
+
 /* map_fit.c: one tile. A worker has its own memory. */
 typedef struct cli_map_worker cli_map_worker;
 cli_map_worker *brdffit_cli_map_worker(const cli_map *map);
@@ -114,5 +117,15 @@ size_t brdffit_cli_processors(void);
 /* map_output.c: tiles to maps. */
 int brdffit_cli_map_write(cli_map *map, const char *target, cli_map_counts *counts);
 void brdffit_cli_map_add(cli_map_counts *sum, const cli_map_counts *counts);
+
+/* map_report.c: in words on standard output, and the exit code. `threads` 0:
+ * nothing was fitted, the maps were only put together. */
+void brdffit_cli_map_report(const cli_map *map, const char *target, const cli_map_counts *counts, size_t threads,
+                            double seconds, size_t texels);
+int brdffit_cli_map_finish(const cli_map *map, const cli_map_counts *counts);
+int brdffit_cli_map_is_npz(const char *path);
+
+/* cmd_map.c: 0 when maps can be written to `target`. */
+int brdffit_cli_map_check_target(const cli_settings *settings, const char *target);
 
 #endif

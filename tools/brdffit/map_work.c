@@ -50,30 +50,14 @@ char *brdffit_cli_map_path(const cli_map *map, const char *name)
 
 static void write_manifest(const cli_map *map, cli_text *text)
 {
-    const brdffit_options *const o = &map->options;
     brdffit_cli_text_printf(text, "brdffit map 1, version %s\n", brdffit_version());
     brdffit_cli_text_puts(text, brdffit_cli_text_string(&map->identity));
-    brdffit_cli_text_printf(text, "--lobes %d\n--distribution %s\n--norm %s\n--engine %s\n--socp-every-box %d\n",
-                            o->lobes, brdffit_distribution_string(o->distribution), brdffit_norm_string(o->norm),
-                            brdffit_engine_string(o->engine), o->socp_every_box);
-    brdffit_cli_text_printf(text, "--normalise %s\n",
-                            brdffit_cli_choice_name(brdffit_cli_normalise_choices, (int)o->normalise));
-    brdffit_cli_text_printf(text, "--sigma-min %.17g\n--sigma-max %.17g\n--exponent-min %.17g\n--exponent-max %.17g\n",
-                            o->sigma_min, o->sigma_max, o->exponent_min, o->exponent_max);
-    brdffit_cli_text_printf(text, "--gap %.17g\n--absolute-gap %.17g\n--resolution %.17g\n--box-budget %zu\n",
-                            o->relative_gap, o->absolute_gap, o->sigma_resolution, o->box_budget);
-    brdffit_cli_text_printf(text, "--max-incidence %.17g\n--values %s\n--tile %zu\n", o->max_incidence,
+    brdffit_cli_record_options(text, &map->options);
+    brdffit_cli_text_printf(text, "--values %s\n--tile %zu\n",
                             brdffit_cli_choice_name(brdffit_cli_quantity_choices, (int)map->geometry.quantity),
                             map->tile_rows);
-}
-
-/* FNV-1a, 64 bits. */
-static uint64_t hash(const cli_text *text)
-{
-    uint64_t value = UINT64_C(14695981039346656037);
-    for (size_t i = 0; i < text->size; i++)
-        value = (value ^ (unsigned char)text->data[i]) * UINT64_C(1099511628211);
-    return value;
+    brdffit_cli_text_printf(text, "maps of %zu x %zu x %zu x %zu: %s\n", map->samples, map->height, map->width,
+                            map->channels, map->settings->files[0]);
 }
 
 /* The first line in which the two differ. */
@@ -119,7 +103,7 @@ static int check_manifest(cli_map *map)
         if (code == 0 && strcmp(brdffit_cli_text_string(&before), now.data) != 0)
             code = refuse(map, brdffit_cli_text_string(&before), now.data);
     }
-    map->key = hash(&now);
+    map->key = brdffit_cli_text_hash(&now);
     free(path);
     brdffit_cli_text_free(&now);
     brdffit_cli_text_free(&before);
@@ -179,16 +163,38 @@ static int take_lock(cli_map *map)
     return code;
 }
 
-int brdffit_cli_map_begin(cli_map *map, const char *target)
+static int name_work(cli_map *map, const char *target)
 {
     static const char suffix[] = ".brdffit-work";
     map->work = malloc(strlen(target) + sizeof suffix);
     if (map->work == NULL)
         return brdffit_cli_no_memory();
     (void)sprintf(map->work, "%s%s", target, suffix);
+    return 0;
+}
+
+int brdffit_cli_map_reopen(cli_map *map, const char *target)
+{
+    struct stat about;
+    const int code = name_work(map, target);
+    if (code != 0)
+        return code;
+    if (stat(map->work, &about) != 0 || !S_ISDIR(about.st_mode)) {
+        fprintf(stderr, "brdffit merge: there is no %s: no part of 'brdffit map --shard' was done, or the maps are "
+                        "together already\n", map->work);
+        return CLI_EXIT_FAILURE;
+    }
+    return take_lock(map);
+}
+
+int brdffit_cli_map_begin(cli_map *map, const char *target)
+{
+    int code = name_work(map, target);
+    if (code != 0)
+        return code;
     if (mkdir(map->work, 0777) != 0 && errno != EEXIST)
         return complain(map->work, "cannot create the work folder");
-    int code = take_lock(map);
+    code = take_lock(map);
     if (code != 0)
         return code;
     if (map->settings->fresh)

@@ -283,24 +283,42 @@ static cli_parse check_verify(const parser *p)
     return CLI_PARSED;
 }
 
+/* Digits and no more: 1/4, but not 1.0/4 or +1/4. */
+static int plain_count(const char *text, size_t length, size_t *value)
+{
+    char digits[20];
+    if (length == 0 || length >= sizeof digits)
+        return 0;
+    memcpy(digits, text, length);
+    digits[length] = '\0';
+    return digits[strspn(digits, "0123456789")] == '\0' && whole_number(digits, value);
+}
+
 /* I/N with 1 <= I <= N; without it, all is part 1 of 1. */
 static cli_parse check_shard(const parser *p)
 {
     cli_settings *s = p->settings;
-    char index[24] = "";
-    const char *const slash = s->shard != NULL ? strchr(s->shard, '/') : NULL;
-    if (s->shard == NULL) {
-        s->shard_count = 1;
+    s->shard_count = 1;
+    if (s->shard == NULL)
         return CLI_PARSED;
+    const size_t slash = strcspn(s->shard, "/");
+    if (s->shard[slash] == '\0' || !plain_count(s->shard, slash, &s->shard_index) ||
+        !plain_count(s->shard + slash + 1, strlen(s->shard + slash + 1), &s->shard_count) ||
+        s->shard_index > s->shard_count) {
+        fprintf(stderr, "brdffit %s: --shard does not take '%s'; valid values: I/N, I from 1 to N\n", p->command_name,
+                s->shard);
+        return usage(p);
     }
-    if (slash != NULL && (size_t)(slash - s->shard) < sizeof index) {
-        memcpy(index, s->shard, (size_t)(slash - s->shard));
-        if (whole_number(index, &s->shard_index) && whole_number(slash + 1, &s->shard_count) &&
-            s->shard_index-- <= s->shard_count && !s->fresh)
-            return CLI_PARSED;
-    }
-    fprintf(stderr, "brdffit %s: --shard does not take '%s'%s; valid values: I/N, I from 1 to N\n", p->command_name,
-            s->shard, s->fresh ? " with --fresh" : "");
+    s->shard_index--;
+    const char *not_with = s->fresh ? "does not go with --fresh: other parts may be at work" : NULL;
+    if (p->command == CLI_FIT && !s->json)
+        not_with = "needs --json: reports cannot be merged";
+    for (size_t i = 0; p->command == CLI_FIT && i < s->file_count; i++)
+        if (strcmp(s->files[i], "-") == 0)
+            not_with = "needs files with names: parts do not share standard input";
+    if (not_with == NULL)
+        return CLI_PARSED;
+    fprintf(stderr, "brdffit %s: --shard %s\n", p->command_name, not_with);
     return usage(p);
 }
 

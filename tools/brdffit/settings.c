@@ -37,7 +37,8 @@ const cli_choice brdffit_cli_format_choices[] = {{"auto", BRDFFIT_IO_FORMAT_AUTO
 static const cli_choice map_formats[] = {{"npy", CLI_MAP_NPY, 0}, {"pfm", CLI_MAP_PFM, 0}, {NULL, 0, 0}};
 
 #define AT(member) offsetof(cli_settings, member)
-#define ALL (CLI_FIT | CLI_EVAL | CLI_INFO | CLI_MAP)
+#define WORKERS (CLI_FIT | CLI_EVAL | CLI_INFO | CLI_MAP)
+#define ALL (WORKERS | CLI_MERGE)
 #define READERS (CLI_FIT | CLI_EVAL | CLI_INFO)
 #define FITS (CLI_FIT | CLI_MAP)
 #define CHOICE(name, commands, hidden, member, choices, value, help) \
@@ -84,7 +85,7 @@ const cli_option brdffit_cli_options[] = {
     CHOICE("normalize", FITS, 1, normalise, brdffit_cli_normalise_choices, "", ""),
     {"max-incidence", 0, CLI_DEGREES, FITS | CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL,
      "DEG|off", "skip samples lit from further off the normal\n(default 60)"},
-    CHOICE("values", ALL, 0, values, brdffit_cli_quantity_choices, "brdf|radiance",
+    CHOICE("values", WORKERS, 0, values, brdffit_cli_quantity_choices, "brdf|radiance",
            "what the file's values are: f_r, or f_r times\n"
            "the light's cosine (default brdf; for files\nwith a,b,c radiance)"),
     CHOICE("merl-bins", CLI_FIT | CLI_INFO, 0, merl_bins, brdffit_cli_bins_choices, "edge|centre",
@@ -97,6 +98,9 @@ const cli_option brdffit_cli_options[] = {
     PLAIN("select", 0, CLI_COUNT, CLI_EVAL, select, "N",
           "use line N of FIT.json, from 1 (default: the\nline whose \"file\" is FILE)"),
     PLAIN("json", 0, CLI_FLAG, CLI_FIT | CLI_INFO, json, NULL, "one JSON object a line and file"),
+    PLAIN("shard", 0, CLI_STRING, CLI_FIT, shard, "I/N",
+          "fit part I of N only: every Nth FILE, from the\nIth; needs --json. 'brdffit merge' joins the\n"
+          "parts"),
     PLAIN("geometry", 'g', CLI_STRING, CLI_MAP, geometry, "FILE.csv",
           "directions of light and viewer, a line a\nsample, with the columns of 'brdffit fit'; a\n"
           "column named file lists the images"),
@@ -108,21 +112,21 @@ const cli_option brdffit_cli_options[] = {
           "normal map, height x width x 3\n(default: +z everywhere)"),
     PLAIN("mask", 0, CLI_STRING, CLI_MAP, mask, "FILE", "height x width; fit where it is not 0"),
     PLAIN("srgb", 0, CLI_FLAG, CLI_MAP, srgb, NULL, "8-bit PNG are sRGB (default: linear)"),
-    CHOICE("format", CLI_MAP, 0, map_format, map_formats, "npy|pfm",
+    CHOICE("format", CLI_MAP | CLI_MERGE, 0, map_format, map_formats, "npy|pfm",
            "format of the maps in a folder (default npy)"),
     {"tile", 0, CLI_COUNT, CLI_MAP, 0, AT(tile), 1, 9e15, 0, NULL, "N",
      "rows fitted, and kept, at a time\n(default: about 16 MB)"},
     {"threads", 0, CLI_COUNT, CLI_MAP, 0, AT(threads), 1, 9e15, 0, NULL, "N",
      "threads (default: the processors available)"},
     PLAIN("shard", 0, CLI_STRING, CLI_MAP, shard, "I/N",
-          "fit part I of N only, for many machines on one\nfolder; afterwards the same command without it\n"
-          "puts the maps together"),
+          "fit part I of N only, for many machines on one\nfolder; afterwards 'brdffit merge OUTPUT' puts\n"
+          "the maps together"),
     PLAIN("fresh", 0, CLI_FLAG, CLI_MAP, fresh, NULL, "do not go on with an earlier, unfinished run"),
     PLAIN("stats", 0, CLI_FLAG, CLI_FIT | CLI_MAP, stats, NULL, "what was skipped, merged and saved"),
     PLAIN("quiet", 'q', CLI_FLAG, ALL, quiet, NULL, "no report, summary or progress; errors only"),
     PLAIN("output", 'o', CLI_STRING, CLI_MAP, output, "DIR|FILE.npz",
           "the maps, whole or not at all (default: NAME-maps\nwhere you are)"),
-    PLAIN("output", 'o', CLI_STRING, READERS, output, "FILE",
+    PLAIN("output", 'o', CLI_STRING, READERS | CLI_MERGE, output, "FILE",
           "write there, whole or not at all, instead of\nto standard output"),
     {"help", 'h', CLI_HELP, ALL, 0, 0, 0, 0, 0, NULL, NULL, "show this"},
     {NULL, 0, CLI_FLAG, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL},
@@ -169,6 +173,20 @@ void brdffit_cli_io_options(const cli_settings *settings, brdffit_io_options *op
         options->merl_sampling = BRDFFIT_IO_MERL_TABLE;
     else
         options->merl_sampling = BRDFFIT_IO_MERL_DIRECTIONS;
+}
+
+void brdffit_cli_record_options(cli_text *text, const brdffit_options *o)
+{
+    brdffit_cli_text_printf(text, "--lobes %d\n--distribution %s\n--norm %s\n--engine %s\n--socp-every-box %d\n",
+                            o->lobes, brdffit_distribution_string(o->distribution), brdffit_norm_string(o->norm),
+                            brdffit_engine_string(o->engine), o->socp_every_box);
+    brdffit_cli_text_printf(text, "--normalise %s\n",
+                            brdffit_cli_choice_name(brdffit_cli_normalise_choices, (int)o->normalise));
+    brdffit_cli_text_printf(text, "--sigma-min %.17g\n--sigma-max %.17g\n--exponent-min %.17g\n--exponent-max %.17g\n",
+                            o->sigma_min, o->sigma_max, o->exponent_min, o->exponent_max);
+    brdffit_cli_text_printf(text, "--gap %.17g\n--absolute-gap %.17g\n--resolution %.17g\n--box-budget %zu\n",
+                            o->relative_gap, o->absolute_gap, o->sigma_resolution, o->box_budget);
+    brdffit_cli_text_printf(text, "--max-incidence %.17g\n", o->max_incidence);
 }
 
 const char *brdffit_cli_choice_name(const cli_choice *choices, int value)

@@ -15,6 +15,7 @@
 #define CLI_EVAL 2u
 #define CLI_INFO 4u
 #define CLI_MAP 8u
+#define CLI_MERGE 16u
 
 /* An option that can be left out and was. */
 #define CLI_UNSET (-1)
@@ -45,14 +46,14 @@ typedef struct cli_settings {
     int quiet;
     const char *output; /* NULL: standard output */
     size_t select;      /* line of the fits, from 1; 0: by the file's name */
+    const char *shard;  /* as given: I/N; NULL: all */
+    size_t shard_index, shard_count; /* I - 1, N */
     /* map */
     const char *geometry, *lights, *views, *normals, *mask; /* files, or NULL */
     int map_format;     /* cli_map_format */
     int srgb;
     int fresh;
     int stats;
-    const char *shard;  /* as given: I/N; NULL: all */
-    size_t shard_index, shard_count; /* I - 1, N */
     size_t tile;    /* rows; 0: by the size of a row */
     size_t threads; /* 0: as many as there are processors */
     const char **files; /* in the order given; the array is owned */
@@ -110,6 +111,10 @@ int brdffit_cli_number(const char *text, double *value);
  * directions are the caller's to add. */
 void brdffit_cli_fit_options(const cli_settings *settings, brdffit_options *options);
 void brdffit_cli_io_options(const cli_settings *settings, brdffit_io_options *options);
+
+/* What is fitted and how closely, an option a line: two runs that agree in
+ * this do the same to the same data. */
+void brdffit_cli_record_options(cli_text *text, const brdffit_options *options);
 
 /* Name of a value in a list of choices. */
 const char *brdffit_cli_choice_name(const cli_choice *choices, int value);

@@ -83,6 +83,14 @@ void brdffit_cli_text_free(cli_text *text)
     memset(text, 0, sizeof *text);
 }
 
+uint64_t brdffit_cli_text_hash(const cli_text *text)
+{
+    uint64_t value = UINT64_C(14695981039346656037);
+    for (size_t i = 0; i < text->size; i++)
+        value = (value ^ (unsigned char)text->data[i]) * UINT64_C(1099511628211);
+    return value;
+}
+
 const char *brdffit_cli_text_string(const cli_text *text)
 {
     return text->data == NULL ? "" : text->data;

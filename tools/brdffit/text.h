@@ -5,6 +5,7 @@
 #define BRDFFIT_CLI_TEXT_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 #if defined(__GNUC__)
 #define CLI_PRINTF(string, first) __attribute__((format(printf, string, first)))
@@ -27,6 +28,9 @@ void brdffit_cli_text_pad(cli_text *text, size_t spaces);
 void brdffit_cli_text_printf(cli_text *text, const char *format, ...) CLI_PRINTF(2, 3);
 void brdffit_cli_text_clear(cli_text *text);
 void brdffit_cli_text_free(cli_text *text);
+
+/* FNV-1a of 64 bits. */
+uint64_t brdffit_cli_text_hash(const cli_text *text);
 
 /* The text as a C string; "" when it is empty. */
 const char *brdffit_cli_text_string(const cli_text *text);

@@ -11,11 +11,15 @@ import pathlib
 import shlex
 import sys
 
+sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # for results.py
+
 import arithmetic as a
 import report
+import results
 from programs import PEERS, Failure, Programs, say
 
 GAP = 1e-6
+LINF_GAP = 1e-3
 STEP_LOG2 = 11
 
 
@@ -33,7 +37,9 @@ class Experiments:
         self.fits = self.all_fits()
         self.brute = self.all_brute(options)
         self.boxes = self.all_boxes(options)
-        self.linf = self.programs.boxes(self.samples, "moment", 1, "--norm", "linf", "--gap", 1e-3)
+        self.linf = {lobes: self.programs.boxes(self.samples, "moment", lobes, "--norm", "linf", "--gap", LINF_GAP)
+                     for lobes in (1, 2)}
+        self.machine = results.machine()
         self.versions = self.programs.peer_versions()
         self.scopes = {"all": (sorted(self.samples), options.starts)}
         if options.deep_starts > options.starts:
@@ -242,7 +248,7 @@ def main(arguments):
         text = report.write(e)
         (e.out / "results.md").write_text(text, encoding="utf-8")
         if options.results:
-            report.put(options.results, text)
+            results.put(options.results, text, report.BEGIN, report.END)
     except (Failure, OSError) as failure:
         say(f"paper: {failure}")
         return 1

@@ -1,24 +1,8 @@
 """The table of the paper's claims beside ours, as Markdown. SPDX-License-Identifier: MIT"""
-import os
-import pathlib
-import platform
-
 import arithmetic as a
 
 BEGIN = "<!-- make paper: begin (written by tools/paper; edit there) -->"
 END = "<!-- make paper: end -->"
-
-
-def machine():
-    name = platform.processor() or platform.machine()
-    try:
-        for line in pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                name = line.split(":", 1)[1].strip()
-                break
-    except OSError:
-        pass
-    return f"{name}, one of {os.cpu_count()} cores"
 
 
 def seconds(value):
@@ -87,12 +71,19 @@ def distribution_rows(e):
                      f"RMS error × {a.geometric_mean(ratio.values()):.4f} (geometric mean), {min(ratio.values()):.3f} to "
                      f"{max(ratio.values()):.3f}; within 5 % for {sum(abs(r - 1) <= 0.05 for r in ratio.values())} of "
                      f"{len(ratio)}; {seconds(fit_time(other))} for all"])
-    fits = e.fits["beckmann", 1]
-    ratio = [e.linf[m]["rms_total"] / fits[m]["rms_total"] for m in e.samples if fits[m]["rms_total"] > 0]
-    proven = sum(b["certified"] for b in e.linf.values())
-    rows.append(["L∞ instead of L2, 1 lobe (all; two lobes not compared)", "no meaningful difference",
-                 f"{proven} of {len(e.linf)} proven to 1e-3; RMS error × {a.geometric_mean(ratio):.3f} (geometric mean), "
-                 f"{min(ratio):.3f} to {max(ratio):.3f}; {seconds(sum(b['seconds'] for b in e.linf.values()))} for all"])
+    return rows
+
+
+def linf_rows(e):
+    rows = []
+    for lobes, answers in e.linf.items():
+        fits = e.fits["beckmann", lobes]
+        ratio = [answers[m]["rms_total"] / fits[m]["rms_total"] for m in e.samples if fits[m]["rms_total"] > 0]
+        proven = sum(b["certified"] for b in answers.values())
+        rows.append([f"L∞ instead of L2, {lobes} lobe{'s' * (lobes > 1)}", "no meaningful difference",
+                     f"{proven} of {len(answers)} proven to 1e-3; RMS error × {a.geometric_mean(ratio):.3f} (geometric "
+                     f"mean), {min(ratio):.3f} to {max(ratio):.3f}; "
+                     f"{seconds(sum(b['seconds'] for b in answers.values()))} for all"])
     return rows
 
 
@@ -108,7 +99,7 @@ def local_rows(e):
 
 
 def claims(e):
-    rows = certified_rows(e) + improvement_rows(e) + brute_rows(e) + local_rows(e) + distribution_rows(e)
+    rows = certified_rows(e) + improvement_rows(e) + brute_rows(e) + local_rows(e) + distribution_rows(e) + linf_rows(e)
     return table(["experiment", "paper", "here"], rows)
 
 
@@ -159,7 +150,7 @@ def write(e):
     sections = [
         BEGIN, "## The paper's experiments", "",
         f"Data: {e.note}", "",
-        f"Made by `{e.command}` on {machine()} (shared with other work; times are one run's, without reading files; "
+        f"Made by `{e.command}` on {e.machine} (shared with other work; times are one run's, without reading files; "
         "those of brute force and local solvers are of the run that filled their cache). " +
         ("--cached: the local solvers were not run then; their rows are of earlier runs of `build/peers` "
          "with these settings and this seed. " if e.cached else "") +
@@ -169,8 +160,9 @@ def write(e):
         "d₁₂ = (E₁ − E₂)/E₂ with E the root mean square error; the paper names no threshold for “the same”.", "",
         "### Boxes", "",
         "Both engines, same partition and search; a level is one halving of one side (`boxes.svg`, `boxes.csv`). With two "
-        "lobes engine socp stops at the paper's half-length of 2⁻¹¹ in σ (or, short of that, at 1,000,000 boxes or a full heap: counted below), on one material in "
-        f"{e.boxes_every}, by name: its first-order bounds do not close a gap of 1e-6 there. E² apart: relative, where it is more than 1e-12 of the data's "
+        "lobes engine socp stops at the paper's half-length of 2⁻¹¹ in σ (or, short of that, at 1,000,000 boxes or a full heap: "
+        "counted below), on " + (f"one material in {e.boxes_every}, by name" if e.boxes_every > 1 else "all materials") +
+        ": its first-order bounds do not close a gap of 1e-6 there. E² apart: relative, where it is more than 1e-12 of the data's "
         "sum of squares, else 0.", "", box_rows(e), "",
         "### Local solvers from random starts", "",
         "The paper: Levenberg–Marquardt with two lobes is at the global optimum for 51 of 100 materials after 100 starts "
@@ -204,17 +196,3 @@ def peer_notes(e):
         "box, where it goes on with those coefficients held that ended on zero); uniform in σ, or log-uniform over "
         "[1e-3, 6]. Of the parametrisations tried (plain, logarithmic, square roots) these did best. “Starts that arrive”: "
         "share of single starts within 1e-6."]
-
-
-def put(path, text):
-    """Replace the marked section of a Markdown file, or append it; other sections stay."""
-    path = pathlib.Path(path)
-    old = path.read_text(encoding="utf-8") if path.exists() else "# Results\n"
-    if BEGIN in old and END in old:
-        head, rest = old.split(BEGIN, 1)
-        new = head + text.rstrip("\n") + rest.split(END, 1)[1]
-    else:
-        new = old.rstrip("\n") + "\n\n" + text
-    part = path.with_name(path.name + ".part")
-    part.write_text(new, encoding="utf-8")
-    part.rename(path)

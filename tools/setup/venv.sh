@@ -14,11 +14,11 @@ installed=$directory/requirements.txt # written last: its presence says that all
 if cmp -s "$requirements" "$installed" && "$directory/bin/python" -c '' > /dev/null 2>&1; then
     exit 0
 fi
-echo "Making the Python environment of the tests in $directory"
+echo "Making the Python environment of $requirements in $directory"
 rm -rf "$directory"
 "$PYTHON" -m venv "$directory"
 if ! "$directory/bin/python" -m pip install --quiet --disable-pip-version-check --require-hashes -r "$requirements"; then
-    echo "brdffit: pip could not install the tests' packages ($requirements); its words are above." >&2
+    echo "brdffit: pip could not install the packages of $requirements; its words are above." >&2
     exit 1
 fi
 cp "$requirements" "$installed"

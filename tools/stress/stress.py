@@ -15,6 +15,9 @@ import shutil
 import subprocess
 import sys
 
+sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # for results.py
+
+import results
 import table
 from cases import DISTRIBUTIONS, FAMILIES, make
 from judge import judge
@@ -69,7 +72,7 @@ def main():
     (out / "results.md").write_text(text, encoding="utf-8")
     print(text)
     if o.results:
-        table.put(o.results, text)
+        results.put(o.results, text, table.BEGIN, table.END)
     failed = [row for row in rows if row["failure"]]
     for row in failed:
         (out / "failed").mkdir(exist_ok=True)

@@ -1,6 +1,4 @@
 """The Markdown table of a stress run. SPDX-License-Identifier: MIT"""
-import pathlib
-
 from cases import FAMILIES
 
 BEGIN = "<!-- make stress: begin (written by tools/stress; edit there) -->"
@@ -76,17 +74,3 @@ def section(rows, members):
             f"Promises that did not hold: {len(failed)}."]
     out += [f"- `{row['name']}`: {row['failure']}" for row in failed[:20]]
     return "\n".join([*out, END, ""])
-
-
-def put(path, text):
-    """Replace the marked section of a Markdown file, or append it; other sections stay."""
-    path = pathlib.Path(path)
-    old = path.read_text(encoding="utf-8") if path.exists() else "# Results\n"
-    if BEGIN in old and END in old:
-        before, rest = old.split(BEGIN, 1)
-        new = before + text.rstrip("\n") + rest.split(END, 1)[1]
-    else:
-        new = old.rstrip("\n") + "\n\n" + text
-    part = path.with_name(path.name + ".part")
-    part.write_text(new, encoding="utf-8")
-    part.rename(path)

@@ -11,22 +11,28 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ._ffi import LibraryError
+from ._pool import MapProgress
 from ._version import __version__
 from .boxes import Boxes, fit_boxes
 from .errors import BrdffitError, DataError, FileError, OptionError, OutOfMemoryError, UnsupportedError
 from .fit import Fit, fit
 from .many import fit_many
+from .maps import FitMap, fit_map
 from .merl import MerlTable, load_merl
 from .options import Options
 from .progress import Progress
+from .readers.lp import LightPositions, load_lp
+from .readers.rgl import RGLMaterial, load_rgl
+from .readers.stack import Stack, load_stack
 from .samples import Samples, protocol84
 
 if TYPE_CHECKING:
     from .regressor import BRDFRegressor
 
-__all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "DataError", "FileError", "Fit", "LibraryError", "MerlTable", "Options",
-           "OptionError", "OutOfMemoryError", "Progress", "Samples", "UnsupportedError", "__version__", "fit",
-           "fit_boxes", "fit_many", "library_path", "load_merl", "protocol84"]
+__all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "DataError", "FileError", "Fit", "FitMap", "LibraryError",
+           "LightPositions", "MapProgress", "MerlTable", "Options", "OptionError", "OutOfMemoryError", "Progress", "RGLMaterial",
+           "Samples", "Stack", "UnsupportedError", "__version__", "fit", "fit_boxes", "fit_many", "fit_map", "library_path",
+           "load_lp", "load_merl", "load_rgl", "load_stack", "protocol84"]
 
 
 def library_path() -> str:

@@ -92,6 +92,16 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "brdffit_inspect": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), POINTER(c_size_t),
                                 POINTER(c_size_t), POINTER(structs.Error)]),
     "brdffit_eval": (c_int, [POINTER(structs.Model), POINTER(structs.Samples), c_void_p, POINTER(structs.Error)]),
+    "brdffit_texel_status_string": (c_char_p, [c_int]),
+    "brdffit_plan_size": (c_size_t, [POINTER(structs.Samples), POINTER(structs.Options)]),
+    "brdffit_plan_init": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), c_void_p, c_size_t,
+                                  POINTER(c_void_p), POINTER(structs.Error)]),
+    "brdffit_many_workspace_size": (c_size_t, [c_void_p]),
+    "brdffit_texels_init": (None, [c_void_p, c_void_p]),
+    "brdffit_texel_results_init": (None, [c_void_p]),
+    "brdffit_many_stats_init": (None, [c_void_p]),
+    "brdffit_fit_many": (c_int, [c_void_p, POINTER(structs.Texels), POINTER(structs.TexelResults), c_void_p, c_size_t,
+                                 POINTER(structs.ManyStats), POINTER(structs.Error)]),
 }
 _IO_PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "brdffit_io_drop_string": (c_char_p, [c_int]),
@@ -124,6 +134,8 @@ def _check_sizes(core: ctypes.CDLL, io: ctypes.CDLL, path: str) -> None:
     into a buffer with room to spare."""
     for name, structure, library in (("brdffit_samples", structs.Samples, core),
                                      ("brdffit_options", structs.Options, core),
+                                     ("brdffit_texel_results", structs.TexelResults, core),
+                                     ("brdffit_many_stats", structs.ManyStats, core),
                                      ("brdffit_io_options", structs.IoOptions, io)):
         room = ctypes.create_string_buffer(ctypes.sizeof(structure) + 4096)
         getattr(library, name + "_init")(room)

@@ -8,7 +8,7 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import ctypes
-from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_ssize_t, c_uint, c_void_p
 
 MAX_LOBES = 2
 NONE = ctypes.c_size_t(-1).value  # BRDFFIT_NONE: "does not apply"
@@ -30,6 +30,8 @@ DROP = ("masked", "absent", "cell_below_horizon")
 FORMAT = ("auto", "csv", "merl")
 MERL_BINS = ("edge", "centre")
 MERL_SAMPLING = ("table", "84", "directions")
+TYPE = ("float64", "float32", "uint16")  # brdffit_type, in numpy's words
+TEXEL_STATUS = ("certified", "open", "no_signal", "masked", "bad_value", "refused")
 WARNINGS = ("unresolved", "flat", "unused", "at_limit")  # bits 1, 2, 4, 8
 
 
@@ -123,15 +125,15 @@ class Options(ctypes.Structure):
 
 
 class Model(ctypes.Structure):
-    """brdffit_model"""
+    """brdffit_model; arrays as bare addresses"""
 
     _fields_ = [
         ("distribution", c_int),
         ("lobes", c_int),
         ("channels", c_size_t),
         ("sigma", c_double * MAX_LOBES),
-        ("x", POINTER(c_double)),
-        ("y", POINTER(c_double)),
+        ("x", c_void_p),
+        ("y", c_void_p),
     ]
 
 
@@ -152,13 +154,13 @@ class Lobe(ctypes.Structure):
 
 
 class Result(ctypes.Structure):
-    """brdffit_result"""
+    """brdffit_result; arrays as bare addresses"""
 
     _fields_ = [
         ("model", Model),
         ("lobe", Lobe * MAX_LOBES),
-        ("channel_scale", POINTER(c_double)),
-        ("rms", POINTER(c_double)),
+        ("channel_scale", c_void_p),
+        ("rms", c_void_p),
         ("rms_total", c_double),
         ("e2", c_double),
         ("e2_error", c_double),
@@ -196,6 +198,63 @@ class Reproof(ctypes.Structure):
         ("refused", c_size_t),
         ("decided", c_size_t),
         ("unproven", c_double),
+    ]
+
+
+class Texels(ctypes.Structure):
+    """brdffit_texels; arrays as bare addresses"""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("count", c_size_t),
+        ("values", c_void_p),
+        ("type", c_int),
+        ("scale", c_double),
+        ("texel_stride", c_ssize_t),
+        ("sample_stride", c_ssize_t),
+        ("channel_stride", c_ssize_t),
+        ("mask", c_void_p),
+    ]
+
+
+class TexelResults(ctypes.Structure):
+    """brdffit_texel_results; arrays as bare addresses"""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("sigma", c_void_p),
+        ("x", c_void_p),
+        ("y", c_void_p),
+        ("channel_scale", c_void_p),
+        ("e2", c_void_p),
+        ("lower_bound", c_void_p),
+        ("sum_of_squares", c_void_p),
+        ("status", c_void_p),
+        ("stop", c_void_p),
+        ("where", c_void_p),
+        ("boxes", c_void_p),
+    ]
+
+
+class ManyStats(ctypes.Structure):
+    """brdffit_many_stats"""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("texels", c_size_t),
+        ("certified", c_size_t),
+        ("open", c_size_t),
+        ("masked", c_size_t),
+        ("no_signal", c_size_t),
+        ("bad_value", c_size_t),
+        ("refused", c_size_t),
+        ("equal", c_size_t),
+        ("general", c_size_t),
+        ("zero_channels", c_size_t),
+        ("equal_channels", c_size_t),
+        ("boxes", c_size_t),
+        ("nodes", c_size_t),
+        ("one_lobe_enough", c_size_t),
     ]
 
 
@@ -244,6 +303,9 @@ C_NAMES = {
     "brdffit_lobe": Lobe,
     "brdffit_result": Result,
     "brdffit_reproof": Reproof,
+    "brdffit_texels": Texels,
+    "brdffit_texel_results": TexelResults,
+    "brdffit_many_stats": ManyStats,
     "brdffit_io_options": IoOptions,
     "brdffit_table": Table,
 }

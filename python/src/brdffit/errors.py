@@ -15,6 +15,7 @@ class BrdffitError(Exception):
 
     code: the C library's word for it ("option", "value", "no_samples", "format", ...; as in its JSON)
     message: what is wrong, without the place
+    texel: of a map, its indices from 0, or None
     sample, channel: indices from 0, or None where they do not apply
     line, column: of a text file, from 1, or None
     value: the offending value, or None
@@ -23,7 +24,7 @@ class BrdffitError(Exception):
 
     def __init__(self, message: str, *, code: str = "argument", sample: int | None = None, channel: int | None = None,
                  line: int | None = None, column: int | None = None, value: float | None = None,
-                 path: str | None = None, channel_name: str | None = None) -> None:
+                 path: str | None = None, channel_name: str | None = None, texel: tuple[int, ...] | None = None) -> None:
         super().__init__(message)
         self.code = code
         self.message = message
@@ -34,6 +35,7 @@ class BrdffitError(Exception):
         self.value = value
         self.path = path
         self.channel_name = channel_name
+        self.texel = texel
 
     def __str__(self) -> str:
         places = []
@@ -41,6 +43,8 @@ class BrdffitError(Exception):
             places.append("line %d" % self.line)
         if self.column is not None:
             places.append("field %d" % self.column)
+        if self.texel is not None:
+            places.append("texel (%s)" % ", ".join(map(str, self.texel)))
         if self.sample is not None:
             places.append("sample %d" % self.sample)
         if self.channel is not None:

@@ -140,8 +140,7 @@ class Fit:
         model = structs.Model(distribution=structs.DISTRIBUTION.index(self.distribution), lobes=self.lobes,
                               channels=len(x))
         model.sigma[:self.lobes] = list(self.sigma)
-        model.x = ctypes.cast(x.ctypes.data, POINTER(ctypes.c_double))
-        model.y = ctypes.cast(y.ctypes.data, POINTER(ctypes.c_double))
+        model.x, model.y = address(x), address(y)
         out = np.zeros((at.count, len(x)))
         error = structs.Error()
         if ffi.core.brdffit_eval(byref(model), byref(at), out.ctypes.data, byref(error)) != 0:
@@ -185,7 +184,7 @@ class Fit:
 
     @classmethod
     def from_json(cls, text: str) -> Fit:
-        """Of one line."""
+        """Of one line that `to_json` or `brdffit fit --json` wrote."""
         try:
             line = json.loads(text)
         except ValueError as error:
@@ -271,46 +270,52 @@ def _verify(samples: Samples, options: Options, result: structs.Result, margin: 
             "decided": int(reproof.decided), "seconds": time.perf_counter() - began}
 
 
-def _copy(pointer: Any, shape: tuple[int, ...]) -> Floats:
-    return freeze(np.ctypeslib.as_array(pointer, shape).copy())
+def _copy(start: int, count: int) -> Floats:
+    """Doubles at an address, in Python's own memory, which cannot be written to."""
+    return np.frombuffer(ctypes.string_at(start, 8 * count), np.float64)
 
 
-def _lobe_array(result: structs.Result, lobes: int, *names: str) -> Floats:
-    rows = [[float(getattr(result.lobe[p], name)) for name in names] for p in range(lobes)]
-    array = np.array(rows)
-    return freeze(array[:, 0].copy() if len(names) == 1 else array)
+# Words of a brdffit_lobe, and where each of its figures is.
+_LOBE_WIDTH = ctypes.sizeof(structs.Lobe) // 8
+_LOBE = {field[0]: getattr(structs.Lobe, field[0]).offset // 8 for field in structs.Lobe._fields_}
+_FIGURES = ("e2", "e2_error", "lower_bound", "gap", "rms_total", "sum_of_squares", "kkt_residual", "samples_used", "boxes",
+            "nodes", "distinct_c")
+
+
+def _warned(r: structs.Result, lobes: int) -> tuple[tuple[str, ...], ...]:
+    bits = [r.lobe[p].warnings for p in range(lobes)]
+    return tuple(tuple(word for bit, word in enumerate(structs.WARNINGS) if b >> bit & 1) if b else () for b in bits)
 
 
 def convert(r: structs.Result, samples: Samples, options: Options, proof: Mapping[str, Any] | None,
             seconds: Mapping[str, float] | None) -> Fit:
     """A brdffit_result as a Fit that owns its memory."""
-    lobes, channels = int(r.model.lobes), int(r.model.channels)
+    lobes, channels = r.model.lobes, r.model.channels
     by_exponent = options.distribution in BY_EXPONENT
-    skipped = {reason: int(r.samples_skipped[i]) for i, reason in enumerate(structs.SKIP)}
-    skipped.update({reason: int(samples.dropped.get(reason, 0)) for reason in structs.DROP})
-    warned = tuple(tuple(word for bit, word in enumerate(structs.WARNINGS) if r.lobe[p].warnings >> bit & 1)
-                   for p in range(lobes))
-    return Fit(
+    skipped = dict(zip(structs.SKIP, r.samples_skipped), **{reason: int(samples.dropped.get(reason, 0))
+                                                           for reason in structs.DROP})
+    table = np.frombuffer(bytes(r.lobe), np.float64).reshape(structs.MAX_LOBES, _LOBE_WIDTH)[:lobes]
+    n = _LOBE["exponent"]
+    fit = object.__new__(Fit)
+    # What Fit() does, one member after the other and slower than a small fit. A test holds the two against each other.
+    fit.__dict__.update(
         status="certified" if r.certified else "gap_open", distribution=options.distribution, norm=options.norm,
         engine=options.engine if options.norm == "l2" else None, lobes=lobes,
-        sigma=freeze(np.array(r.model.sigma[:lobes])),
-        exponent=_lobe_array(r, lobes, "exponent") if by_exponent else None,
-        x=_copy(r.model.x, (channels,)), y=_copy(r.model.y, (channels, lobes)),
-        channel_scale=_copy(r.channel_scale, (channels,)), e2=float(r.e2), e2_error=float(r.e2_error), lower_bound=float(r.lower_bound),
-        gap=float(r.gap), rms=_copy(r.rms, (channels,)), rms_total=float(r.rms_total),
-        sum_of_squares=float(r.sum_of_squares), kkt_residual=float(r.kkt_residual),
-        samples_used=int(r.samples_used), samples_skipped=skipped, boxes=int(r.boxes), nodes=int(r.nodes),
-        socp=_socp(r), verify=proof, distinct_c=int(r.distinct_c), stop=structs.STOP[r.stop],
-        weight=_lobe_array(r, lobes, "weight"), effective_samples=_lobe_array(r, lobes, "effective_samples"),
-        sigma_interval=_lobe_array(r, lobes, "sigma_low", "sigma_high"),
-        exponent_interval=_lobe_array(r, lobes, "exponent_low", "exponent_high") if by_exponent else None,
-        warnings=warned, channels=samples.channels, normalise=options.normalise,
+        sigma=_copy(ctypes.addressof(r.model.sigma), lobes), exponent=table[:, n] if by_exponent else None,
+        x=_copy(r.model.x, channels), y=_copy(r.model.y, channels * lobes).reshape(channels, lobes),
+        channel_scale=_copy(r.channel_scale, channels), rms=_copy(r.rms, channels),
+        **{name: getattr(r, name) for name in _FIGURES}, samples_skipped=skipped, socp=_socp(r), verify=proof,
+        stop=structs.STOP[r.stop], weight=table[:, _LOBE["weight"]], effective_samples=table[:, _LOBE["effective_samples"]],
+        sigma_interval=table[:, _LOBE["sigma_low"]:_LOBE["sigma_high"] + 1],
+        exponent_interval=table[:, n + 1:n + 3] if by_exponent else None, warnings=_warned(r, lobes),
+        channels=samples.channels, normalise=options.normalise,
         sigma_range=options.sigma_searched, exponent_range=options.exponent_range if by_exponent else None,
         relative_gap=options.relative_gap, absolute_gap=options.absolute_gap,
         sigma_resolution=options.sigma_resolution, box_budget=options.box_budget,
         max_incidence=options.max_incidence, format=samples.format, quantity=samples.quantity,
         merl_bins=samples.merl_bins, merl_samples=samples.merl_samples, seconds=seconds, file=samples.file,
-        _merl_directions=samples._merl_directions)
+        schema=SCHEMA, _merl_directions=samples._merl_directions)
+    return fit
 
 
 def _socp(r: structs.Result) -> dict[str, int] | None:

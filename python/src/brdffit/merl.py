@@ -45,8 +45,45 @@ class MerlTable:
     def samples(self, at: str | tuple[npt.ArrayLike, npt.ArrayLike] = "table") -> Samples:
         """Samples to fit: see Samples.from_merl."""
         if self.file is None:
-            raise OptionError("this table has no file", code="argument")
+            raise OptionError("this table has no file: save() it first", code="argument")
         return Samples.from_merl(self.file, samples=at, bins=self.bins)
+
+    def save(self, path: Path) -> MerlTable:
+        """Write a MERL .binary file, whole or not at all: this table, as it would be loaded from there."""
+        name = os.fspath(path)
+        if not (np.isnan(self.values) | ((self.values >= 0) & np.isfinite(self.values))).all():
+            raise DataError("a value is negative or infinite, which a MERL file cannot hold", code="value", path=name)
+        hole = np.isnan(self.values).any(-1, keepdims=True)
+        planes = np.moveaxis(np.where(hole, -1, self.values / SCALE), -1, 0)
+        partial = "%s.%d.part" % (name, os.getpid())
+        try:
+            try:
+                with open(partial, "wb") as file:
+                    file.write(np.array(self.values.shape[:3], "<i4").tobytes())
+                    file.write(np.ascontiguousarray(planes, "<f8").data)
+                os.replace(partial, name)
+            except BaseException:
+                if os.path.exists(partial):
+                    os.unlink(partial)
+                raise
+        except OSError as error:
+            raise FileError("cannot be written: %s" % error.strerror, code="open", path=name) from error
+        return dataclasses.replace(self, file=name)
+
+
+def cell_directions(dims: tuple[int, int, int], bins: str, row: int) -> tuple[Floats, Floats]:
+    """Light and view of the entries of one theta_h, n_d x n_p x 3, the half vector at azimuth 0; some are below the
+    horizon."""
+    n_h, n_d, n_p = dims
+    shift = 0.5 if bins == "centre" else 0.0
+    theta_h = 0.5 * np.pi * ((row + shift) / n_h) ** 2
+    theta_d = 0.5 * np.pi * (np.arange(n_d)[:, None] + shift) / n_d
+    phi_d = np.pi * (np.arange(n_p)[None, :] + shift) / n_p
+    x, y, z = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d), np.cos(theta_d) + 0 * phi_d
+    sine, cosine = np.sin(theta_h), np.cos(theta_h)
+    light = np.stack([cosine * x + sine * z, y, cosine * z - sine * x], -1)
+    view = np.stack([sine * z - cosine * x, -y, cosine * z + sine * x], -1)
+    return light, view
 
 
 def _cells(dims: tuple[int, ...], l: Floats, v: Floats) -> tuple[Index, Index, Index]:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from typing import TYPE_CHECKING, TypedDict
 
@@ -83,9 +84,24 @@ class Options:
         return self.sigma_range
 
     def replace(self, **changes: object) -> Self:
+        """A copy with some of them changed."""
         return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
 
+    def _plain(self) -> Self:
+        """The same in Python's own numbers, whatever kind (0-d arrays, numpy's scalars) they were given as."""
+        c = self._struct()
+        return self.replace(
+            lobes=int(c.lobes), sigma_range=(c.sigma_min, c.sigma_max), exponent_range=(c.exponent_min, c.exponent_max),
+            relative_gap=c.relative_gap, absolute_gap=c.absolute_gap, sigma_resolution=c.sigma_resolution,
+            box_budget=int(c.box_budget), max_incidence=c.max_incidence, socp_every_box=bool(c.socp_every_box))
+
     def _struct(self) -> structs.Options:
+        try:
+            return structs.Options.from_buffer_copy(_checked(self))
+        except TypeError:  # of 0-d arrays or lists: nothing that can be looked up
+            return self._make()
+
+    def _make(self) -> structs.Options:
         out = library().options()
         out.lobes = _integer("lobes", self.lobes, 2**31)
         out.distribution = choose("distribution", self.distribution, structs.DISTRIBUTION)
@@ -100,6 +116,12 @@ class Options:
         out.box_budget = _integer("box_budget", self.box_budget, 2**63)
         out.socp_every_box = int(bool(self.socp_every_box))
         return out
+
+
+@functools.lru_cache(maxsize=64)
+def _checked(options: Options) -> bytes:
+    """The struct of options that are in order: checking them takes as long as a small fit."""
+    return bytes(options._make())
 
 
 def _number(name: str, value: float) -> float:

@@ -63,6 +63,8 @@ class BRDFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # sci
         return tags
 
     def fit(self, X: npt.ArrayLike, y: npt.ArrayLike, sample_weight: npt.ArrayLike | None = None) -> Self:
+        """Fit, and prove. X: n x columns, as `features` says; y: n, or n x channels, which share the roughness.
+        sample_weight: n, multiplies squared residuals."""
         data, target = validate_data(self, X, y, dtype=np.float64, multi_output=True, y_numeric=True)
         weights = None
         if sample_weight is not None:
@@ -73,6 +75,7 @@ class BRDFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # sci
         return self
 
     def predict(self, X: npt.ArrayLike) -> Floats:
+        """The fitted model at X: n, or n x channels, in the quantity of y. 0 on and below the horizon."""
         check_is_fitted(self)
         data = validate_data(self, X, dtype=np.float64, reset=False)
         samples = self._samples(data, np.zeros((len(data), len(self.fit_.channels))), None)

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import weakref
 from ctypes import POINTER, byref, pointer
 from typing import Any, Mapping, Sequence, Union
 
@@ -43,7 +44,7 @@ class _Table:
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Samples:
-    """Measured reflectance: N samples of K channels. Make one with `from_csv`, `from_merl` or `from_arrays`.
+    """Measured reflectance: N samples of K channels. Make one with `from_file`, `from_arrays` or another `from_...`.
 
     values: N x K, f_r in 1/sr (quantity "brdf") or f_r (n.l) (quantity "radiance")
     channels: K names
@@ -141,7 +142,8 @@ class Samples:
     def from_angles(cls, cos_light: npt.ArrayLike, cos_view: npt.ArrayLike, tan2_half: npt.ArrayLike,
                     cos_difference: npt.ArrayLike, values: npt.ArrayLike, *, weights: npt.ArrayLike | None = None,
                     channels: Sequence[str] | None = None, quantity: str = "brdf") -> Samples:
-        """n.l, n.v, the squared tangent of the half angle, v.h (N each)."""
+        """By angles alone, as tables in half and difference angles have them (N each): n.l, n.v, the squared tangent of the
+        half angle, v.h."""
         data = _rows(values)
         n = len(data)
         return cls(values=data, channels=_names(channels, data), quantity=quantity, form="angles",
@@ -170,6 +172,14 @@ class Samples:
         return _read(path, options, quantity)
 
     @classmethod
+    def _places(cls, path: Path, quantity: str | None) -> Samples:
+        """A CSV file that needs no channel: for its directions and weights."""
+        options = library().io_options()
+        options.format = structs.FORMAT.index("csv")
+        options.directions_only = 1
+        return _read(path, options, quantity)
+
+    @classmethod
     def from_merl(cls, path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "table",
                   bins: str = "edge") -> Samples:
         """A MERL .binary file (also .gz). samples: "table" (every cell that was measured), "84" (the paper's
@@ -187,8 +197,55 @@ class Samples:
         return _read(path, options, None, at)
 
     @classmethod
+    def from_rgl(cls, path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "measured",
+                 clip: bool = True) -> Samples:
+        """An isotropic .bsdf file of the RGL database. samples: "measured" (the instrument's own directions), "84" (the
+        paper's), or (light, view) to look up. clip: raise negative channels (colours outside of sRGB) to 0. `load_rgl` does
+        more."""
+        from .readers.rgl import load_rgl
+
+        return load_rgl(path).samples(samples, clip=clip)
+
+    @classmethod
+    def from_hdf5(cls, path: Path, *, names: Mapping[str, str | Sequence[str]] | None = None, group: str | None = None,
+                  quantity: str | None = None) -> Samples:
+        """An HDF5 file (needs h5py). Data sets of `group` (None: the root):
+
+        values: N x K or N; a sample with a channel that is NaN is left out
+        light, view: N x 3, or theta_i, phi_i, theta_o, phi_o: N each, in degrees (or with an attribute units = "radians");
+            or cos_light, cos_view, tan2_half, cos_difference; or a, b, c
+        normal (N x 3) and weights (N): may be absent
+
+        Attributes of values or of the group: quantity ("brdf" or "radiance") and channels. names: other names that the file
+        has for these: {"values": "reflectance/data"}; for values also several, one a channel.
+        """
+        from .readers.store import Store
+
+        return Store(os.fspath(path), "hdf5", names, group).samples(quantity)
+
+    @classmethod
+    def from_zarr(cls, path: Path, *, names: Mapping[str, str | Sequence[str]] | None = None, group: str | None = None,
+                  quantity: str | None = None) -> Samples:
+        """A zarr group, a folder or a .zip (needs zarr), as from_hdf5."""
+        from .readers.store import Store
+
+        return Store(os.fspath(path), "zarr", names, group).samples(quantity)
+
+    @classmethod
     def from_file(cls, path: Path) -> Samples:
-        """Either, by its content."""
+        """Any of these, by its content (.lp and files that cannot be opened by their name)."""
+        from .readers._detect import kind_of
+
+        kind = kind_of(path)
+        if kind == "rgl":
+            return cls.from_rgl(path)
+        if kind == "hdf5":
+            return cls.from_hdf5(path)
+        if kind == "zarr":
+            return cls.from_zarr(path)
+        if kind is not None:
+            raise DataError("this holds images, not samples of one material: load_stack reads them", code="format",
+                            path=os.fspath(path))
         return _read(path, library().io_options(), None)
 
     @classmethod
@@ -204,6 +261,12 @@ class Samples:
 
     def _struct(self) -> structs.Samples:
         """Points into this object's arrays: keep it alive."""
+        made = _STRUCTS.get(self)
+        if made is None:
+            made = _STRUCTS[self] = bytes(self._make())
+        return structs.Samples.from_buffer_copy(made)
+
+    def _make(self) -> structs.Samples:
         out = library().samples()
         out.count, out.channels = self.values.shape
         out.form = structs.FORM.index(self.form)
@@ -211,6 +274,10 @@ class Samples:
         for name in _ARRAYS:
             setattr(out, name, address(getattr(self, name)))
         return out
+
+
+# What _struct gives copies of. Not kept in the object, which travels: addresses do not.
+_STRUCTS: weakref.WeakKeyDictionary[Samples, bytes] = weakref.WeakKeyDictionary()
 
 
 def _rows(values: npt.ArrayLike) -> Floats:
@@ -260,7 +327,7 @@ def _from_table(table: structs.Table, owner: _Table, name: str, at: Samples | No
     if table.lines:
         lines = np.ctypeslib.as_array(table.lines, (count,)).astype(np.uintp)
     return Samples(
-        values=from_address(data.values, (count, channels), owner),  # type: ignore[arg-type]
+        values=from_address(data.values, (count, channels), owner) if channels else np.zeros((count, 0)),  # type: ignore[arg-type]
         channels=tuple(table.channel_names[k].decode("utf-8", "replace") for k in range(channels)),
         form=structs.FORM[data.form], quantity=structs.QUANTITY[data.quantity], file=name,
         format=structs.FORMAT[table.format], lines=lines,

@@ -42,7 +42,7 @@ def _parser() -> argparse.ArgumentParser:
         "residuals: one page a material, and an index. The pages need no other file.",
         epilog="Exit status: 0 every fit is certified, 4 a search stopped before its gap closed, 1 a file or page cannot be "
         "read or written, 2 wrong usage, 3 data that cannot be used.")
-    p.add_argument("files", nargs="+", metavar="FILE", help="CSV, TSV or MERL .binary, also .gz")
+    p.add_argument("files", nargs="+", metavar="FILE", help="CSV, TSV or MERL .binary, also .gz; RGL .bsdf; HDF5; zarr")
     p.add_argument("-o", "--output", default="brdffit-report", metavar="DIR", help="where the pages go (%(default)s)")
     p.add_argument("--lobes", type=int, choices=(1, 2), default=2, help="the fit that is shown in detail (%(default)s)")
     p.add_argument("--distribution", choices=structs.DISTRIBUTION, default=defaults.distribution)
@@ -51,7 +51,8 @@ def _parser() -> argparse.ArgumentParser:
     p.add_argument("--max-incidence", default=defaults.max_incidence, metavar="DEG", type=_degrees,
                    help="skip light further from the normal; off: use all (%(default)s)")
     p.add_argument("--merl-samples", choices=("84", "table"), default="84",
-                   help="which of a MERL table is fitted (%(default)s); spheres always show all of it")
+                   help="which of a MERL table is fitted (%(default)s); of a .bsdf file, table is what was measured; spheres "
+                   "always show all of it")
     p.add_argument("--merl-bins", choices=structs.MERL_BINS, default="edge")
     p.add_argument("--values", choices=structs.QUANTITY, help="what a CSV holds")
     p.add_argument("--box-budget", type=int, default=defaults.box_budget, metavar="N")
@@ -68,7 +69,12 @@ def _read(path: str, arguments: argparse.Namespace) -> Samples:
     samples = Samples.from_file(path)
     if samples.format == "merl":
         return Samples.from_merl(path, samples=arguments.merl_samples, bins=arguments.merl_bins)
-    return samples if arguments.values is None else Samples.from_csv(path, quantity=arguments.values)
+    if samples.format == "rgl":
+        return samples if arguments.merl_samples == "table" else Samples.from_rgl(path, samples="84")
+    if arguments.values is None:
+        return samples
+    readers = {"hdf5": Samples.from_hdf5, "zarr": Samples.from_zarr}
+    return readers.get(samples.format or "", Samples.from_csv)(path, quantity=arguments.values)
 
 
 def _write(path: pathlib.Path, text: str) -> None:
@@ -103,7 +109,7 @@ def _page_name(name: str, taken: set[str]) -> str:
 
 def _material_name(path: str) -> str:
     name = os.path.basename(path)
-    return re.sub(r"\.(csv|tsv|txt|binary)$", "", re.sub(r"\.gz$", "", name)) or name
+    return re.sub(r"\.(csv|tsv|txt|binary|bsdf|h5|hdf5|zarr)$", "", re.sub(r"\.gz$", "", name)) or name
 
 
 def main(argv: Sequence[str] | None = None) -> int:

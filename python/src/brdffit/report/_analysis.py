@@ -16,6 +16,7 @@ from ..fit import Fit
 from ..fit import fit as brdffit_fit
 from ..merl import MerlTable, load_merl
 from ..options import BY_EXPONENT, Options
+from ..readers.rgl import RGLMaterial, load_rgl
 from ..samples import Samples
 
 # Points of the exact curves, with one lobe and with two, and of large tables: they evaluate every sample at each.
@@ -38,7 +39,7 @@ class Material:
 
     name: str
     samples: Samples
-    table: MerlTable | None
+    table: MerlTable | RGLMaterial | None
     options: Options
     fits: dict[int, Fit]
     boxes: dict[int, Boxes]
@@ -52,9 +53,11 @@ class Material:
 
 
 def measure(name: str, samples: Samples, options: dict[str, Any], lobes: int) -> Material:
-    table = None
+    table: MerlTable | RGLMaterial | None = None
     if samples.format == "merl" and samples.file is not None:
         table = load_merl(samples.file, bins=samples.merl_bins or "edge")
+    elif samples.format == "rgl" and samples.file is not None:
+        table = load_rgl(samples.file)
     fits, boxes, leaves, near = {}, {}, {}, {}
     for count in sorted({1, lobes}):
         fits[count], boxes[count] = fit_boxes(samples, **{**options, "lobes": count})
@@ -64,7 +67,7 @@ def measure(name: str, samples: Samples, options: dict[str, Any], lobes: int) ->
     return Material(name, samples, table, Options(**{**options, "lobes": lobes}), fits, boxes, leaves, near, views)
 
 
-def _look_up(table: MerlTable, channels: tuple[str, ...]) -> Samples:
+def _look_up(table: MerlTable | RGLMaterial, channels: tuple[str, ...]) -> Samples:
     """The table in the plane of incidence of the paper's four views, every 2.5 degrees of the light."""
     angle, view_angle = (np.radians(a.ravel()) for a in np.meshgrid(np.arange(-85, 85.1, 2.5), [0.0, 20, 40, 60]))
     zero = np.zeros_like(angle)

@@ -66,7 +66,7 @@ def render(material: Material) -> Spheres:
     colour = [] if len(names) == 3 else ["Grey: channel %s." % names[0]]
     out = Spheres([(_picture(inside, fitted * exposure), "Rendered from the fit")], colour, exposure)
     if material.table is None:
-        out.words.insert(0, "Single directions give no picture of the measurement; a whole table (MERL) does.")
+        out.words.insert(0, "Single directions give no picture of the measurement; a whole table (MERL, RGL) does.")
         return out
     cosine = np.maximum(normal @ LIGHT, 0)[:, None]
     with np.errstate(invalid="ignore"):

@@ -1,0 +1,245 @@
+"""The C library's call for many texels of one geometry, on numpy arrays.
+
+`fit_tile` is the whole of it for a scheduler of one's own (threads, Dask, ...): arrays in, arrays out, everything that
+it is given can be pickled, and the plan is kept between calls.
+
+SPDX-License-Identifier: MIT
+"""
+from __future__ import annotations
+
+import collections
+import ctypes
+import hashlib
+import threading
+from ctypes import POINTER, byref
+from typing import Any, Callable, Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _structs as structs
+from ._arrays import address
+from ._ffi import library
+from ._stack import Block, Stack, Values
+from .errors import DataError, OptionError, from_struct
+from .options import Options
+from .samples import Samples
+
+Arrays = dict[str, npt.NDArray[Any]]
+
+# Beyond the C library's: of texels with directions of their own, and of a run that was stopped.
+STATUS = (*structs.TEXEL_STATUS, "no_samples", "not_reached")
+CERTIFIED, OPEN, NO_SIGNAL, MASKED, BAD_VALUE, REFUSED, NO_SAMPLES, NOT_REACHED = range(len(STATUS))
+NO_STOP = len(structs.STOP)
+_TYPES = {np.dtype(name): i for i, name in enumerate(structs.TYPE)}
+
+COUNTS = tuple(field[0] for field in structs.ManyStats._fields_[1:])
+
+# Texels of one call where it is not said: some milliseconds of work, so that Ctrl-C is heard soon.
+TILE_ONE_LOBE = 4096
+TILE_TWO_LOBES = 32
+TILE_PROGRAMS = 1
+TILE_OWN = 64  # with directions of their own, one lobe
+
+_PLANS_KEPT = 4
+
+
+def is_fast(options: Options) -> bool:
+    """Whether texels take microseconds: what needs linear or cone programs takes milliseconds and more."""
+    return options.norm == "l2" and options.engine == "moment"
+
+
+def default_tile(options: Options, own: bool = False) -> int:
+    if not is_fast(options):
+        return TILE_PROGRAMS
+    if own:
+        return TILE_OWN
+    return TILE_ONE_LOBE if options.lobes == 1 else TILE_TWO_LOBES
+
+
+class Plan:
+    """A brdffit_plan: never changed, shared by threads. Keeps copies of what it was made from."""
+
+    def __init__(self, geometry: Samples, channels: int, options: Options) -> None:
+        core = library().core
+        self.samples, self.channels, self.lobes = len(geometry), channels, options.lobes
+        self.options = options
+        c_options, c_samples = options._struct(), geometry._struct()
+        c_samples.channels, c_samples.values = channels, None
+        if not is_fast(options):
+            check_build(c_options)
+        size = core.brdffit_plan_size(byref(c_samples), byref(c_options))
+        self._memory = np.empty(max(1, size), np.uint8)
+        pointer, error = ctypes.c_void_p(), structs.Error()
+        if core.brdffit_plan_init(byref(c_samples), byref(c_options), address(self._memory), size, byref(pointer),
+                                  byref(error)) != 0:
+            raise from_struct(error, path=geometry.file, lines=geometry.lines)
+        self.pointer = pointer
+        self.workspace_size = int(core.brdffit_many_workspace_size(pointer))
+        self.samples_skipped = self._inspect(c_samples, c_options)
+
+    def _inspect(self, samples: structs.Samples, options: structs.Options) -> dict[str, int]:
+        """Samples that no texel uses, by reason."""
+        zeros = np.zeros(self.samples)
+        samples.channels, samples.values = 1, address(zeros)
+        skipped = (ctypes.c_size_t * len(structs.SKIP))()
+        library().core.brdffit_inspect(byref(samples), byref(options), None, skipped, None)
+        return {reason: int(skipped[i]) for i, reason in enumerate(structs.SKIP)}
+
+
+def check_build(options: structs.Options) -> None:
+    """Whether this build can fit so at all (without ECOS some options cannot): asked of the smallest problem there is,
+    before thousands of texels are refused."""
+    core = library().core
+    up = np.array([0.0, 0.0, 1.0])
+    one = library().samples()
+    one.count = one.channels = 1
+    one.light = one.view = one.values = address(up)
+    result, error = POINTER(structs.Result)(), structs.Error()
+    core.brdffit_fit_new(byref(one), byref(options), byref(result), byref(error))
+    core.brdffit_fit_free(result)
+    if error.status == structs.STATUS.index("unsupported"):
+        raise from_struct(error)
+
+
+_plans: collections.OrderedDict[tuple[Any, ...], Plan] = collections.OrderedDict()
+_plans_lock = threading.Lock()
+
+
+def _content(geometry: Samples) -> bytes:
+    digest = hashlib.blake2b(digest_size=16)
+    for name in ("light", "view", "normal", "cos_light", "cos_view", "tan2_half", "cos_difference", "a", "b", "c",
+                 "weights"):
+        array = getattr(geometry, name)
+        digest.update(b"-" if array is None else b"+")
+        if array is not None:
+            digest.update(array)
+    return digest.digest()
+
+
+def plan_for(geometry: Samples, channels: int, options: Options) -> Plan:
+    """The plan of a geometry (a `Samples` whose values are not looked at); the last few are kept."""
+    key = (len(geometry), geometry.form, geometry.quantity, _content(geometry), channels, bytes(options._struct()))
+    with _plans_lock:
+        plan = _plans.get(key)
+        if plan is None:
+            plan = _plans[key] = Plan(geometry, channels, options)
+            while len(_plans) > _PLANS_KEPT:
+                _plans.popitem(last=False)
+        else:
+            _plans.move_to_end(key)
+    return plan
+
+
+def allocate(count: int, channels: int, lobes: int) -> Arrays:
+    """What `count` texels are fitted into; not filled."""
+    return {"sigma": np.empty((count, lobes)), "x": np.empty((count, channels)),
+            "y": np.empty((count, channels, lobes)), "channel_scale": np.empty((count, channels)),
+            "e2": np.empty(count), "lower_bound": np.empty(count), "sum_of_squares": np.empty(count),
+            "status": np.empty(count, np.uint8), "stop": np.empty(count, np.uint8),
+            "where": np.empty(count, np.intp), "boxes": np.empty(count, np.intp)}
+
+
+def blank(results: Arrays, part: slice, status: int) -> None:
+    """Texels that were not fitted."""
+    for name, array in results.items():
+        array[part] = np.nan if array.dtype.kind == "f" else 0
+    results["status"][part] = status
+    results["stop"][part] = NO_STOP
+    results["where"][part] = -1
+
+
+class Worker:
+    """What one thread needs to fit texels of a stack into `results`."""
+
+    def __init__(self, plan: Plan, stack: Stack, results: Arrays, mask: npt.NDArray[np.uint8] | None,
+                 scale: float) -> None:
+        core = library().core
+        self.plan, self.stack, self.mask = plan, stack, mask
+        self.workspace = np.empty(max(1, plan.workspace_size), np.uint8)  # its pages exist once they are touched
+        self.texels, self.results, self.stats = structs.Texels(), structs.TexelResults(), structs.ManyStats()
+        core.brdffit_texels_init(byref(self.texels), plan.pointer)
+        core.brdffit_texel_results_init(byref(self.results))
+        core.brdffit_many_stats_init(byref(self.stats))
+        self.texels.scale = scale
+        self._to = [(name, int(array.ctypes.data), array.strides[0]) for name, array in results.items()]
+        self._keep = results
+        self._call: Callable[..., int] = core.brdffit_fit_many
+        self._error = structs.Error()
+
+    def fit(self, first: int, count: int) -> bool:
+        """Texels [first, first + count). Other threads run meanwhile. True: they are all done."""
+        for block in self.stack.blocks(first, count):
+            self._fit(block)
+        return True
+
+    def _fit(self, block: Block) -> None:
+        t, r, values = self.texels, self.results, block.values
+        item = values.itemsize
+        t.count = block.texels
+        t.values, t.type = values.ctypes.data, _TYPES[values.dtype]
+        t.sample_stride, t.texel_stride, t.channel_stride = (step // item for step in values.strides)
+        t.mask = None if self.mask is None else self.mask.ctypes.data + block.first
+        for name, start, step in self._to:
+            setattr(r, name, start + block.first * step)
+        if self._call(self.plan.pointer, byref(t), byref(r), self.workspace.ctypes.data, self.plan.workspace_size,
+                      byref(self.stats), byref(self._error)) != 0:
+            raise from_struct(self._error)
+
+    def counts(self) -> dict[str, int]:
+        return {name: int(getattr(self.stats, name)) for name in COUNTS}
+
+    def skipped(self) -> dict[str, int]:
+        return self.plan.samples_skipped
+
+
+def texel_mask(mask: npt.ArrayLike | None, spatial: tuple[int, ...]) -> npt.NDArray[np.uint8] | None:
+    """A byte a texel, flat: 0 where `mask` is 0 or NaN."""
+    if mask is None:
+        return None
+    array = np.asarray(mask)
+    if array.dtype.kind not in "fiub":
+        raise DataError("mask must be of numbers or truth values, not %s" % array.dtype, code="value")
+    if array.shape != spatial:
+        raise DataError("mask must have shape %s, as the texels have, not %s" % (spatial, array.shape), code="argument")
+    if array.dtype.kind == "f":
+        array = (array > 0) | (array < 0)
+    return np.ascontiguousarray(array.astype(bool, copy=False)).reshape(-1).view(np.uint8)
+
+
+def positive(name: str, value: float) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError) as error:
+        raise OptionError("%s must be a number, not %r" % (name, value), code="option") from error
+    if not 0 < number < float("inf"):
+        raise OptionError("%s must be finite and above 0, not %r" % (name, value), code="option")
+    return number
+
+
+def check_geometry(stack: Stack, geometry: Samples) -> None:
+    if stack.samples != len(geometry):
+        raise DataError("values have %d samples, and the geometry has %d" % (stack.samples, len(geometry)),
+                        code="argument")
+
+
+def fit_tile(values: Values, geometry: Samples, options: Options, *, mask: npt.ArrayLike | None = None,
+             scale: float = 1.0, sample_axis: int = 0, channel_axis: int | None = -1) -> tuple[Arrays, dict[str, int]]:
+    """Fit the texels of one array in the calling thread: results by name, each spatial shape x its own, and counts.
+
+    geometry: the directions and weights that all texels share; its own values are not looked at. `brdffit._geometry`
+        makes one. Every argument can be pickled; the plan is made once a process. Results do not depend on which other
+        texels are in the array; counts `equal`, `boxes` and `nodes` do where neighbours are equal.
+    """
+    options = options._plain()
+    stack = Stack(values, sample_axis, channel_axis)
+    check_geometry(stack, geometry)
+    plan = plan_for(geometry, stack.channels, options)
+    results = allocate(stack.count, stack.channels, options.lobes)
+    worker = Worker(plan, stack, results, texel_mask(mask, stack.spatial), positive("scale", scale))
+    worker.fit(0, stack.count)
+    return shaped(results, stack.spatial), worker.counts()
+
+
+def shaped(results: Mapping[str, npt.NDArray[Any]], spatial: tuple[int, ...]) -> Arrays:
+    return {name: array.reshape((*spatial, *array.shape[1:])) for name, array in results.items()}

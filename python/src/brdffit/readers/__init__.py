@@ -1,0 +1,1 @@
+"""Formats that the C library leaves out. SPDX-License-Identifier: MIT"""
