@@ -208,6 +208,20 @@ def test_odd_materials_get_a_page(samples, lobes):
     assert not re.search(r"\b(nan|inf)\b", re.sub(r"base64,[\w+/=]*", "", text), re.I)
 
 
+def test_scattered_directions_are_not_drawn_as_lines(instruments):
+    """Of samples all over the hemisphere: fitted against measured; of a table of such, its own look-ups."""
+    rng = np.random.default_rng(8)
+    light, view = rng.standard_normal((2, 500, 3)) + [0, 0, 4]
+    scattered = brdffit.Samples.from_arrays(light, view, 0.1 + rng.random((500, 3)))
+    material = analysis.measure("scattered", scattered, {}, 1)
+    assert analysis.series(material.views) == []
+    assert "Fitted over measured radiance" in _page.material_page(material, None)
+    table = brdffit.Samples.from_merl(instruments / "two_lobe_table.binary", samples=(light, view))
+    material = analysis.measure("table", table, {}, 1)
+    assert material.views is not table and len(analysis.series(material.views)) == 4
+    assert "dots: the measured table" in _page.material_page(material, None)
+
+
 # ---- Spheres, computed again by other means --------------------------------------
 
 

@@ -63,8 +63,16 @@ def measure(name: str, samples: Samples, options: dict[str, Any], lobes: int) ->
         fits[count], boxes[count] = fit_boxes(samples, **{**options, "lobes": count})
         leaves[count] = leaf(boxes[count])
         near[count] = near_optimal(samples, Options(**{**options, "lobes": count}), fits[count], boxes[count], leaves[count])
-    views = samples if samples.form == "directions" else None if table is None else _look_up(table, samples.channels)
+    views = samples if _in_series(samples, table is not None) else None if table is None else _look_up(table, samples.channels)
     return Material(name, samples, table, Options(**{**options, "lobes": lobes}), fits, boxes, leaves, near, views)
+
+
+def _in_series(samples: Samples, has_table: bool) -> bool:
+    """Whether lines over the angle of the light can be drawn through the samples themselves. Where a table can be looked
+    up instead, half of them have to be on lines of at least 30 degrees."""
+    if samples.form != "directions":
+        return False
+    return not has_table or 2 * sum(len(one.index) for one in series(samples) if np.ptp(one.angle) >= 30) >= len(samples)
 
 
 def _look_up(table: MerlTable | RGLMaterial, channels: tuple[str, ...]) -> Samples:
@@ -145,7 +153,7 @@ class Series:
 
 
 def series(samples: Samples | None) -> list[Series]:
-    """Of at least 4 samples each; by view angle, in-plane first."""
+    """Of at least 4 angles each; by view angle, in-plane first."""
     if samples is None or samples.form != "directions":
         return []
     l, v, n = _frames(samples)
@@ -163,7 +171,7 @@ def series(samples: Samples | None) -> list[Series]:
     for angle, azimuth in sorted({(float(a), float(p)) for a, p in keys if p == p}):
         mine = (keys[:, 0] == angle) & ((keys[:, 1] == azimuth) | np.isnan(keys[:, 1]))
         index = np.flatnonzero(mine)
-        if len(index) >= 4:
+        if len(np.unique(np.round(signed[index], 2))) >= 4:
             index = index[np.argsort(signed[index], kind="stable")]
             out.append(Series(angle, azimuth, index, signed[index]))
     return out
