@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from typing import Any
+from typing import Any, Callable
 
 import numpy as np
 import numpy.typing as npt
@@ -11,15 +11,22 @@ import numpy.typing as npt
 from .. import _words
 from .._arrays import Floats
 from ..boxes import Boxes, fit_boxes
+from ..errors import BrdffitError
 from ..fit import Fit
+from ..fit import fit as brdffit_fit
 from ..merl import MerlTable, load_merl
-from ..options import Options
+from ..options import BY_EXPONENT, Options
 from ..readers.rgl import RGLMaterial, load_rgl
 from ..samples import Samples
 
 # Points of the exact curves, with one lobe and with two, and of large tables: they evaluate every sample at each.
 GRID_ONE, GRID_TWO, GRID_LARGE = 240, 72, 40
 LARGE = 100_000
+
+
+# A share, and per lobe the smallest and largest sigma that a model within (1 + share) of the fit's objective can have,
+# certified. 1 %, or what the gap that was asked for can tell.
+Near = tuple[float, list[tuple[float, float]]]
 
 
 @dataclasses.dataclass
@@ -37,6 +44,7 @@ class Material:
     fits: dict[int, Fit]
     boxes: dict[int, Boxes]
     leaves: dict[int, npt.NDArray[np.bool_]]
+    near: dict[int, Near]
     views: Samples | None
 
     @property
@@ -50,12 +58,21 @@ def measure(name: str, samples: Samples, options: dict[str, Any], lobes: int) ->
         table = load_merl(samples.file, bins=samples.merl_bins or "edge")
     elif samples.format == "rgl" and samples.file is not None:
         table = load_rgl(samples.file)
-    fits, boxes, leaves = {}, {}, {}
+    fits, boxes, leaves, near = {}, {}, {}, {}
     for count in sorted({1, lobes}):
         fits[count], boxes[count] = fit_boxes(samples, **{**options, "lobes": count})
         leaves[count] = leaf(boxes[count])
-    views = samples if samples.form == "directions" else None if table is None else _look_up(table, samples.channels)
-    return Material(name, samples, table, Options(**{**options, "lobes": lobes}), fits, boxes, leaves, views)
+        near[count] = near_optimal(samples, Options(**{**options, "lobes": count}), fits[count], boxes[count], leaves[count])
+    views = samples if _in_series(samples, table is not None) else None if table is None else _look_up(table, samples.channels)
+    return Material(name, samples, table, Options(**{**options, "lobes": lobes}), fits, boxes, leaves, near, views)
+
+
+def _in_series(samples: Samples, has_table: bool) -> bool:
+    """Whether lines over the angle of the light can be drawn through the samples themselves. Where a table can be looked
+    up instead, half of them have to be on lines of at least 30 degrees."""
+    if samples.form != "directions":
+        return False
+    return not has_table or 2 * sum(len(one.index) for one in series(samples) if np.ptp(one.angle) >= 30) >= len(samples)
 
 
 def _look_up(table: MerlTable | RGLMaterial, channels: tuple[str, ...]) -> Samples:
@@ -136,7 +153,7 @@ class Series:
 
 
 def series(samples: Samples | None) -> list[Series]:
-    """Of at least 4 samples each; by view angle, in-plane first."""
+    """Of at least 4 angles each; by view angle, in-plane first."""
     if samples is None or samples.form != "directions":
         return []
     l, v, n = _frames(samples)
@@ -154,7 +171,7 @@ def series(samples: Samples | None) -> list[Series]:
     for angle, azimuth in sorted({(float(a), float(p)) for a, p in keys if p == p}):
         mine = (keys[:, 0] == angle) & ((keys[:, 1] == azimuth) | np.isnan(keys[:, 1]))
         index = np.flatnonzero(mine)
-        if len(index) >= 4:
+        if len(np.unique(np.round(signed[index], 2))) >= 4:
             index = index[np.argsort(signed[index], kind="stable")]
             out.append(Series(angle, azimuth, index, signed[index]))
     return out
@@ -190,9 +207,12 @@ def objective(material: Material, sigma: Floats, lobes: int) -> Floats | None:
     for start in range(0, len(s), LARGE // 2):
         part = _part(s, slice(start, start + LARGE // 2))
         at = places(part, material.options.max_incidence)
-        root = np.ones((len(part), 1)) if part.weights is None else np.sqrt(np.maximum(part.weights, 0))[:, None]
-        root, data = root[at.used], at.radiance[at.used] / fit.channel_scale
-        columns = [_column(fit, part, at, 1.0, sigma[0], 0.0), *(_column(fit, part, at, 0.0, v, 1.0) for v in sigma)]
+        used = np.flatnonzero(at.used)
+        if len(used) == 0:
+            continue
+        part, data = _part(part, used), at.radiance[used] / fit.channel_scale
+        root = np.ones((len(part), 1)) if part.weights is None else np.sqrt(part.weights)[:, None]
+        columns = [_column(fit, part, 1.0, sigma[0], 0.0), *(_column(fit, part, 0.0, v, 1.0) for v in sigma)]
         matrix = np.stack(columns, 1) * root
         gram += matrix.T @ matrix
         t += matrix.T @ (data * root)
@@ -209,7 +229,7 @@ def objective(material: Material, sigma: Floats, lobes: int) -> Floats | None:
     return np.asarray(np.maximum(total - gain, 0))
 
 
-def _part(s: Samples, rows: slice) -> Samples:
+def _part(s: Samples, rows: slice | npt.NDArray[np.intp]) -> Samples:
     members: dict[str, Any] = {f.name: getattr(s, f.name) for f in dataclasses.fields(s)}
     for name, value in members.items():
         if isinstance(value, np.ndarray) and name != "_merl_directions":
@@ -217,9 +237,9 @@ def _part(s: Samples, rows: slice) -> Samples:
     return Samples(**members)
 
 
-def _column(fit: Fit, s: Samples, at: Places, x: float, sigma: float, y: float) -> Floats:
+def _column(fit: Fit, s: Samples, x: float, sigma: float, y: float) -> Floats:
     one = dataclasses.replace(fit, lobes=1, sigma=np.array([sigma]), x=np.array([x]), y=np.array([[y]]), channels=("",))
-    column: Floats = one.predict_samples(s, quantity="radiance")[at.used, 0]
+    column: Floats = one.predict_samples(s, quantity="radiance")[:, 0]
     return column
 
 
@@ -255,17 +275,48 @@ def sigma_grid(material: Material, lobes: int) -> Floats:
     return np.unique(np.clip(np.concatenate([np.geomspace(low, high, count), *near]), low, high))
 
 
-def near_optimal(material: Material, lobes: int) -> tuple[float, list[tuple[float, float]]]:
-    """A share, and per lobe the smallest and largest sigma that a model within (1 + share) of the fit's objective can
-    have, certified: every box outside is proven worse. 1 %, or what the gap that was asked for can tell."""
-    fit, boxes = material.fits[lobes], material.boxes[lobes]
+def near_optimal(samples: Samples, options: Options, fit: Fit, boxes: Boxes, leaves: npt.NDArray[np.bool_]) -> Near:
+    """Every box outside is proven worse."""
     share = max(0.01, 2 * fit.relative_gap)
-    keep = material.leaves[lobes] & (boxes.lower_bound <= (1 + share) * fit.e2)
+    level = (1 + share) * fit.e2
+    keep = leaves & (boxes.lower_bound <= level)
     out = []
-    for p in range(lobes):
+    for p in range(fit.lobes):
         low, high = boxes.sigma_low[keep, p], boxes.sigma_high[keep, p]
         out.append((float(min([fit.sigma[p], *low])), float(max([fit.sigma[p], *high]))))
+    if fit.norm == "l2" and fit.e2 > 0 and len(samples) <= LARGE:
+        # The search halved no box that was already worse than the fit, even if by less than the share. Searches of a part
+        # of the range say more: if all lobes are below some sigma, so is the wider one; if above, the sharper one.
+        least, most = fit.sigma_range
+        first, last = out[0], out[-1]
+        out[-1] = (_shrink(samples, options, level, last[0], float(fit.sigma[-1]), lambda x: (least, x)), last[1])
+        out[0] = (out[0][0], _shrink(samples, options, level, first[1], float(fit.sigma[0]), lambda x: (x, most)))
     return share, out
+
+
+def _shrink(samples: Samples, options: Options, level: float, end: float, inside: float,
+            beyond: Callable[[float], tuple[float, float]]) -> float:
+    """`end`, moved towards `inside` as far as the range beyond it is proven to hold nothing below `level`."""
+    members = {f.name: getattr(options, f.name) for f in dataclasses.fields(options)}
+    members["box_budget"] = min(options.box_budget, 10000)
+    for _ in range(12):
+        middle = float(np.sqrt(end * inside))
+        low, high = beyond(middle)
+        if not high > low > 0:
+            break
+        if options.distribution in BY_EXPONENT:  # a little more than the range, so that rounding leaves nothing out
+            members["exponent_range"] = (high**-2 * (1 - 1e-12), low**-2 * (1 + 1e-12))
+        else:
+            members["sigma_range"] = (low, high)
+        try:
+            worse = brdffit_fit(samples, **members).lower_bound > level
+        except BrdffitError:  # no range of its own: nothing is proven there
+            break
+        if worse:
+            end = middle
+        else:
+            inside = middle
+    return end
 
 
 def bound_steps(boxes: Boxes, leaves: npt.NDArray[np.bool_], low: float, high: float) -> tuple[Floats, Floats]:

@@ -41,7 +41,10 @@ def row(link: str, name: str, material: Material) -> Row:
 
 
 def _cell(kind: str, text: str) -> str:
-    return "<td%s>%s</td>" % (" class='%s'" % kind if kind else "", html.escape(text))
+    inside = html.escape(text)
+    if kind == "each":  # on a phone one below the other
+        inside = "<span>%s</span>" % inside.replace(", ", ",</span> <span>")
+    return "<td%s>%s</td>" % (" class='%s'" % kind if kind else "", inside)
 
 
 def index_page(rows: Sequence[Row], failures: Sequence[Failure], parameter: str) -> str:
@@ -63,7 +66,7 @@ def index_page(rows: Sequence[Row], failures: Sequence[Failure], parameter: str)
         lines = "".join(
             "<tr%s><td class='ball'><img alt='' src='%s'></td><th scope='row' class='left'><a href='%s'>%s</a></th>%s</tr>" % (
                 "" if r.certified else " class='failed'", r.picture, html.escape(r.link, quote=True), html.escape(r.name),
-                "".join(map(_cell, ("left", "wrap", "less", "", "less", "words less"), r.cells))) for r in rows)
+                "".join(map(_cell, ("left", "each", "less", "", "less", "words less"), r.cells))) for r in rows)
         body += ("<h2>Materials</h2><div class='scroll'><table class='index'><thead><tr>%s</tr></thead><tbody>%s</tbody></table>"
                  "</div>") % (head, lines)
     return document("brdffit report", body)

@@ -45,7 +45,7 @@ def near_optimal_words(material: Material, lobes: int) -> str:
     fit = material.fits[lobes]
     if not fit.e2 > 0:
         return ""
-    share, intervals = analysis.near_optimal(material, lobes)
+    share, intervals = material.near[lobes]
     found = [interval(fit, *pair) for pair in intervals]
     what = _words.OBJECTIVES[fit.norm]
     if all(words.startswith("any ") for words in found):
@@ -82,7 +82,7 @@ def profile(material: Material, lobes: int) -> Figure:
     plot = Plot(_axis(fit, float(sigma[0]), float(sigma[-1])), Axis(low, max(top, low * 4) * 1.2, True), _title(fit), name,
                 "Profile of %s over roughness with the certified lower bound, %s" % (name, _words.lobes_word(fit)))
     if fit.e2 > 0:
-        for a, b in analysis.near_optimal(material, lobes)[1]:
+        for a, b in material.near[lobes][1]:
             plot.band(a, b, "near")
     plot.line(np.repeat(edges, 2)[1:-1], np.maximum(np.repeat(bound, 2), low / 2), "line bound")
     if curve is not None:

@@ -15,6 +15,7 @@ table{border-collapse:collapse;font-size:.92rem;font-variant-numeric:tabular-num
 th,td{white-space:nowrap;padding:3px 10px 3px 0;text-align:right;border-bottom:1px solid var(--line);overflow-wrap:normal}
 th:first-child,td:first-child{text-align:left}thead th{color:var(--soft);font-weight:500;white-space:normal;vertical-align:bottom}
 td.left,th.left{text-align:left}td.words{white-space:normal;text-align:left;min-width:9em}tr.failed td{color:var(--bad)}
+table.index th[scope=row]{white-space:normal;overflow-wrap:anywhere;min-width:6em}
 td.ball{padding:2px 10px 2px 0}td.ball img{display:block;width:40px;height:40px}.failed{color:var(--bad)}
 .badge{font-size:.8rem;font-weight:500;padding:2px 9px;border-radius:1em;border:1px solid var(--ok);color:var(--ok);white-space:nowrap;
 vertical-align:middle}.badge.open{border-color:var(--bad);color:var(--bad)}summary{cursor:pointer;
@@ -40,7 +41,7 @@ svg .grid{display:inline;stroke:var(--line);stroke-width:.6;fill:none}
 .key.near{color:#d4a72c}.key.square::before{border-radius:0}
 .best{stroke:var(--c0);stroke-opacity:1}.near{fill:var(--near)}.boxes{fill:none;stroke:#fff;stroke-opacity:.45;stroke-width:.35}
 @media (max-width:480px){table{font-size:.73rem}th,td{padding-right:4px}th:last-child,td:last-child{padding-right:0}table.index .less{display:none}
-table.index .wrap{white-space:normal;word-spacing:99px}}
+table.index .each span{display:block}}
 @page{margin:14mm}
 @media print{:root{color-scheme:light;--bg:#fff;--ink:#000;--soft:#444;--line:#ccc;--card:#fff;--ok:#1a7f37;--bad:#9a6700;--c0:#c62828;
 --c1:#2e7d32;--c2:#1e5fc1;--c3:#1d2329;--bound:#8250df;--near:#d4a72c40}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}
