@@ -216,8 +216,7 @@ def test_threads_give_the_same_bits():
 
 
 def test_memory_stays_flat():
-    """A thousandth of a leak would show: 300 fits and 300 reads after 100 to warm up. The full 1e5 are in the README's
-    figures."""
+    """A thousandth of a leak would show: 300 fits and 300 reads after 100 to warm up. The README has 1e5."""
     def resident():
         with open("/proc/self/statm") as file:
             return int(file.read().split()[1]) * 4096
