@@ -11,10 +11,13 @@ set -u
 kind=$1
 shift
 
+processors() {
+    getconf _NPROCESSORS_ONLN 2> /dev/null || echo 1
+}
+
 # Run programs, as many at a time as there are processors; NAME.out and NAME.code of each in the scratch folder.
 run_together() { # programs
-    jobs=$(getconf _NPROCESSORS_ONLN 2> /dev/null || echo 1)
-    printf '%s\n' "$@" | xargs -P "$jobs" -I '{}' sh -c \
+    printf '%s\n' "$@" | xargs -P "$(processors)" -I '{}' sh -c \
         'name=$2/${1##*/}; "$1" > "$name.out" 2>&1; echo $? > "$name.code"' run '{}' "$scratch"
 }
 
@@ -60,7 +63,9 @@ run_python() { # venv, build, paths
         echo 'No Python tests here.'
         return 0
     }
-    PYTHONPYCACHEPREFIX=$tree/pycache "$environment/bin/python" -m pytest -q -ra -o cache_dir="$tree/pytest_cache" "$@"
+    # As many files at a time as there are processors; a file's tests stay together, for the fixtures that they share.
+    PYTHONPYCACHEPREFIX=$tree/pycache "$environment/bin/python" -m pytest -q -ra -o cache_dir="$tree/pytest_cache" \
+        -n "$(processors)" --dist loadfile "$@"
 }
 
 case $kind in
