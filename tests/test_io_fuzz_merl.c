@@ -6,34 +6,21 @@
 
 #include "io_support.h"
 
-static void test_mutations(void **state)
+#include "fuzz/in_test.h"
+
+static brdffit_status read_seed(const struct fuzz_seed *seed)
 {
-    (void)state;
-    assert_true(standalone_mutations(make_seeds(), SEED_COUNT, 30000, 1));
-}
+    brdffit_table *table = NULL;
+    brdffit_error error;
+    brdffit_status status = brdffit_io_read_memory(seed->data, seed->size, NULL, &table, &error);
 
-/* The seeds must be good input, otherwise the mutations explore nothing. */
-static void test_seeds(void **state)
-{
-    const struct fuzz_seed *seeds = make_seeds();
-    size_t i;
-
-    (void)state;
-    for (i = 0; i < SEED_COUNT; i++) {
-        brdffit_table *table;
-        brdffit_error error;
-
-        assert_int_equal(brdffit_io_read_memory(seeds[i].data, seeds[i].size, NULL, &table, &error), BRDFFIT_OK);
-        brdffit_io_free(table);
-    }
+    brdffit_io_free(table);
+    return status;
 }
 
 int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_seeds), cmocka_unit_test(test_mutations)};
+    struct fuzz_run run = {make_seeds(), SEED_COUNT, 30000, read_seed};
 
-    if (argc > 1) { /* also usable as the fuzz program itself */
-        return standalone_main(argc, argv, make_seeds(), SEED_COUNT);
-    }
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_fuzz_tests(argc, argv, &run);
 }
