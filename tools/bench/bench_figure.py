@@ -1,12 +1,8 @@
 """The figures of `make bench`: run time against error, as SVG and PNG. Needs matplotlib. SPDX-License-Identifier: MIT"""
 import math
 
-import matplotlib
-
 import bench_arithmetic as a
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
+from figure_style import plt, save
 
 # Method -> label, colour, marker, line. Ours in black and grey; local solvers warm; NLopt blue; SciPy green and purple.
 STYLE = {
@@ -25,18 +21,6 @@ STYLE = {
     "scipy-dual-annealing": ("SciPy dual annealing", "#8A5FBF", "P", "-"),
     "scipy-differential-evolution": ("SciPy differential evolution", "#8A5FBF", "x", "--"),
 }
-
-plt.rcParams.update({
-    "font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#dddddd",
-    "grid.linewidth": 0.6, "axes.axisbelow": True, "legend.frameon": False, "svg.hashsalt": "brdffit",
-    "figure.constrained_layout.use": True,
-})
-
-
-def save(figure, out, name):
-    figure.savefig(out / f"{name}.svg", metadata={"Date": None})
-    figure.savefig(out / f"{name}.png", dpi=160)
-    plt.close(figure)
 
 
 def draw_panel(axes, found, name, lobes, measure):

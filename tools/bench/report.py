@@ -15,7 +15,7 @@ import sys
 import threading
 import time
 
-sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # for results.py
+sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # for results.py and figure_style.py
 
 import bench_arithmetic as a
 import bench_programs as p

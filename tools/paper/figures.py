@@ -4,29 +4,15 @@ SPDX-License-Identifier: MIT
 """
 import math
 
-import matplotlib
+from matplotlib.ticker import FuncFormatter
 
 import arithmetic
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
+from figure_style import plt, save
 
 # Okabe and Ito's colours: told apart by everyone.
 INK = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"]
 CHANNEL = {"r": "#D55E00", "g": "#009E73", "b": "#0072B2"}
 FLOOR = 1e-9  # of logarithmic axes that also have to show zero
-
-plt.rcParams.update({
-    "font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#dddddd",
-    "grid.linewidth": 0.6, "axes.axisbelow": True, "legend.frameon": False, "svg.hashsalt": "brdffit",
-    "figure.constrained_layout.use": True,
-})
-
-
-def save(figure, out, name):
-    figure.savefig(out / f"{name}.svg", metadata={"Date": None})
-    figure.savefig(out / f"{name}.png", dpi=200)
-    plt.close(figure)
 
 
 def errors(out, rows, distributions):
@@ -109,7 +95,7 @@ def rates(out, rows, labels, counts):
             if lobes == 2 and scope == "all":
                 axes.plot([100, 5000], [51, 60], color="black", lw=0, marker="D", ms=5, label="the paper's report")
             axes.set(xscale="log", ylim=(0, 100), title=f"{lobes} lobe{'s' * (lobes > 1)}, {counts[scope]} materials")
-            axes.xaxis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda value, _: f"{value:,.0f}"))
+            axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
             axes.xaxis.set_tick_params(labelbottom=True)
             if line == len(scopes) - 1:
                 axes.set_xlabel("random starts")

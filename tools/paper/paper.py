@@ -11,7 +11,7 @@ import pathlib
 import shlex
 import sys
 
-sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # for results.py
+sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # for results.py and figure_style.py
 
 import arithmetic as a
 import report
