@@ -182,8 +182,8 @@ def peer_notes(e):
     versions = ", ".join(f"{name} {version}" for name, version in e.versions.items())
     missing = [] if "ceres" in e.versions else ["Ceres was not available and is left out.", ""]
     subset = []
-    if "subset" in e.scopes:
-        materials, starts = e.scopes["subset"]
+    materials, starts = e.scopes.get("subset", (sorted(e.samples), 0))
+    if len(materials) < len(e.samples):
         which = f"one in {e.every}, by name" if len(materials) == len(sorted(e.samples)[:: e.every]) else \
             "those that an interrupted run had done"
         subset = [f"The {len(materials)} materials of the runs with {starts:,} starts are {which}.", ""]
