@@ -210,7 +210,10 @@ def stack(tmp_path):
 COMMAND = ["stack.npy", "-g", "geometry.csv", "--tile", "1"]
 
 
-@pytest.mark.parametrize("options", [("--lobes", "2"), ("--distribution", "blinn-phong", "--gap", "1e-5", "--values", "radiance")],
+@pytest.mark.parametrize("options", [("--lobes", "2"), ("--distribution", "blinn-phong", "--gap", "1e-5", "--values", "radiance",
+                                      "--exponent-max", "1e5", "--absolute-gap", "1e-9", "--normalise", "none"),
+                                     ("--sigma-min", "0.02", "--sigma-max", "3", "--max-incidence", "50", "--resolution",
+                                      "1e-9", "--box-budget", "99999")],
                          ids=" ".join)
 @pytest.mark.parametrize("target", ["m.npz", "m", "pfm"])
 def test_maps(stack, target, options):

@@ -141,7 +141,8 @@ class FitMap:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> FitMap:
         """Of a folder of .npy that `save` or `brdffit map` wrote, or an .npz that `save` wrote. What these do not keep
-        is NaN (channel_scale, sum_of_squares), -1 (where), 0 (boxes), "none" (stop), or the default (options)."""
+        is NaN (channel_scale, sum_of_squares), -1 (where), 0 (boxes), "none" (stop), or the default (options engine,
+        socp_every_box and isa)."""
         return cls(**_map_files.load(path))
 
     # ---- Show
