@@ -19,6 +19,7 @@ import brdffit.dask
 import stacks
 
 dask = pytest.importorskip("dask")
+pytest.importorskip("dask.array")  # which `import dask` alone does not bring
 distributed = pytest.importorskip("distributed")
 xarray = pytest.importorskip("xarray")
 zarr = pytest.importorskip("zarr")
@@ -261,6 +262,8 @@ def test_wrong_arguments(stack):
             brdffit.fit_map(array, light, view, **more)
     with pytest.raises(brdffit.DataError):
         brdffit.fit_map(array, light[:-1], view)
+    with pytest.raises(brdffit.DataError, match="masked array"):
+        brdffit.fit_map(dask.array.ma.masked_greater(array, 0.5), light, view).load()
     with pytest.raises(brdffit.DataError, match="unknown size"):
         brdffit.fit_map(array[:, array[0, :, 0, 0] > 0], light, view)
     with pytest.raises(brdffit.DataError) as raised:

@@ -65,6 +65,22 @@ def test_arrays_that_do_not_fit_together(arguments):
         brdffit.Samples.from_arrays(*arguments)
 
 
+def test_masks_are_not_dropped():
+    """Of a masked array the data would be fitted, masked ones included."""
+    light, view = brdffit.protocol84()
+    values = np.full((84, 3), 0.5)
+    hidden = lambda array: np.ma.masked_array(array, np.arange(array.size).reshape(array.shape) == 5)
+    for arguments in ((hidden(light), view, values), (light, hidden(view), values), (light, view, hidden(values))):
+        with pytest.raises(brdffit.DataError, match="masked entries"):
+            brdffit.Samples.from_arrays(*arguments)
+    with pytest.raises(brdffit.DataError, match="weights is an array with masked"):
+        brdffit.Samples.from_arrays(light, view, values, weights=hidden(np.ones(84)))
+    whole = brdffit.Samples.from_arrays(light, view, np.ma.masked_array(values))  # nothing is masked
+    assert np.array_equal(whole.values, values)
+    with pytest.raises(brdffit.DataError, match="mask is an array with masked"):
+        brdffit.fit_map(values[:, None], light, view, mask=np.ma.masked_array([1], [True]))
+
+
 @pytest.mark.parametrize("bins", ["edge", "centre"])
 def test_merl(instruments, tmp_path, bins):
     path = instruments / "two_lobe_table.binary"

@@ -11,8 +11,16 @@ from .errors import DataError
 Floats = npt.NDArray[np.float64]
 
 
+def unmasked(name: str, value: object) -> None:
+    """A masked array would become its data, and what was masked would be fitted."""
+    if np.ma.is_masked(value):
+        raise DataError("%s is an array with masked entries: leave them out, give their samples the weight 0, or their texels "
+                        "the mask 0" % name, code="argument")
+
+
 def floats(name: str, value: npt.ArrayLike) -> Floats:
     """`value` as float64 in C order; not copied when it is that already."""
+    unmasked(name, value)
     try:
         array = np.asarray(value)
         if array.dtype.kind not in "fiub":

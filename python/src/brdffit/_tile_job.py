@@ -58,7 +58,7 @@ class TileJob:
         def ask(_: object) -> bool:
             return stopped is not None and stopped()
 
-        values = block.load() if isinstance(block, StoredBlock) else np.asarray(block)
+        values = block.load() if isinstance(block, StoredBlock) else np.asanyarray(block)  # masks are refused
         try:
             # One thread of C for a thread of the scheduler: it knows how many processors there are.
             result: FitMap = fit_map(values, threads=1, progress=None if stopped is None else ask, **self.arguments,
