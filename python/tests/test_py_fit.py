@@ -1,7 +1,9 @@
 """fit(), Fit, progress, errors. SPDX-License-Identifier: MIT"""
 import dataclasses
 import json
+import os
 import pickle
+import shutil
 import signal
 import threading
 
@@ -54,6 +56,21 @@ def test_reads_its_own_lines_and_so_does_the_command_line(instruments, tmp_path)
     rows = [line.split(",") for line in done.stdout.splitlines() if not line.startswith("#")]
     fitted = np.array([[float(row[rows[0].index(k + "_fit")]) for k in "rgb"] for row in rows[1:]])
     assert np.array_equal(fitted, again.predict_samples(brdffit.Samples.from_csv(path)))
+
+
+def test_a_name_that_is_not_utf8(instruments, tmp_path):
+    """Nothing that is written holds its bytes as they are; the JSON does in hexadecimal, as of the command line."""
+    name = b"odd\xff\xe2\x82.csv"
+    path = os.path.join(tmp_path, os.fsdecode(name))
+    shutil.copy(instruments / "matte.csv", path)
+    fit = brdffit.fit(path)
+    for text in (fit.to_json(), repr(fit), fit._repr_html_(), repr(brdffit.Samples.from_file(path))):
+        assert "odd\ufffd\ufffd\ufffd.csv" in text and text.encode()
+    (line,) = harness.fit(os.path.join(os.fsencode(tmp_path), name), cwd=tmp_path)
+    assert bytes.fromhex(line["file_bytes"]).endswith(name)
+    for text in (fit.to_json(), json.dumps(line)):
+        again = brdffit.Fit.from_json(text)
+        assert (again.file, again.to_dict()["file"], again.to_dict()["file_bytes"]) == (path, line["file"], line["file_bytes"])
 
 
 @pytest.mark.parametrize("distribution", model.DISTRIBUTIONS)

@@ -167,6 +167,8 @@ class Fit:
                             code="format")
         given = dict(line)
         given["_merl_directions"] = given.pop("merl_directions", None)
+        if "file_bytes" in given:
+            given["file"] = os.fsdecode(bytes.fromhex(given["file_bytes"]))
         given["warnings"] = tuple(tuple(words) for words in given.get("warnings", ()))
         names = {field.name for field in dataclasses.fields(cls)}
         members: dict[str, Any] = {name: given.get(name) for name in names}

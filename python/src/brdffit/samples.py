@@ -13,6 +13,7 @@ import numpy.typing as npt
 from . import _structs as structs
 from ._arrays import Floats, address, column, floats, freeze, from_address, vectors
 from ._ffi import library
+from ._words import readable
 from .errors import DataError, OptionError, from_struct
 
 Path = Union[str, "os.PathLike[str]"]
@@ -118,7 +119,7 @@ class Samples:
         return len(self.values)
 
     def __repr__(self) -> str:
-        source = "" if self.file is None else " from %s" % self.file
+        source = "" if self.file is None else " from %s" % readable(self.file)
         return "<Samples: %d x %d (%s), %s as %s%s>" % (
             len(self), len(self.channels), ", ".join(self.channels[:8]) + (", ..." if len(self.channels) > 8 else ""),
             self.quantity, self.form, source)
