@@ -186,7 +186,7 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
 def _options(about: dict[str, Any], lobes: int, path: pathlib.Path) -> Options:
     """What was asked for: where the proof holds is among it."""
     try:
-        ranges = {name: tuple(about[name]) for name in ("sigma_range", "exponent_range") if name in about}
+        ranges: dict[str, Any] = {name: tuple(about[name]) for name in ("sigma_range", "exponent_range") if name in about}
         if "exponent_range" in ranges:
             del ranges["sigma_range"]  # that of the exponent in other words
         options = Options(lobes=lobes, **{name: about[name] for name in ("distribution", "norm", "normalise", *_ASKED)},
