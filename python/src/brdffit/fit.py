@@ -154,7 +154,7 @@ class Fit:
         return _words.plain(self)
 
     def to_json(self) -> str:
-        """One line as of `brdffit fit --json`, 17 digits; `brdffit eval` takes it."""
+        """One line as of `brdffit fit --json`, with the fewest digits that read back the same; `brdffit eval` takes it."""
         return json.dumps(self.to_dict(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
     @classmethod

@@ -146,8 +146,8 @@ class Stack:
         return DataError(message, code="argument", path=self.file)
 
     def __repr__(self) -> str:
-        return "<Stack: %d images of %d x %d (%s) from %s>" % (
-            self.values.shape[0], self.values.shape[2], self.values.shape[1], ", ".join(self.channels), self.file)
+        return "<Stack: %d images of %d x %d (%s), %s from %s>" % (
+            self.values.shape[0], self.values.shape[2], self.values.shape[1], ", ".join(self.channels), self.quantity, self.file)
 
     def texel(self, row: int, column: int) -> Samples:
         """One texel as samples to fit."""
