@@ -58,6 +58,17 @@ def test_reads_its_own_lines_and_so_does_the_command_line(instruments, tmp_path)
     assert np.array_equal(fitted, again.predict_samples(brdffit.Samples.from_csv(path)))
 
 
+@pytest.mark.parametrize("change", [{"y": [[0.1]]}, {"y": [0.1, 0.2, 0.3]}, {"x": [1.0]}, {"sigma": [0.1, 0.2]}, {"lobes": 2},
+                                    {"lobes": 3}, {"distribution": "phong"}, {"channels": ["r"]}], ids=str)
+def test_fits_that_do_not_hold_together(change):
+    """C would read past the end of what is too short."""
+    fit = brdffit.fit(brdffit.Samples.example())
+    with pytest.raises((brdffit.DataError, brdffit.OptionError)):
+        brdffit.Fit.from_dict(fit.to_dict() | change)
+    with pytest.raises((brdffit.DataError, brdffit.OptionError)):
+        dataclasses.replace(fit, **change).predict([0, 0, 1], [0, 0, 1])
+
+
 def test_a_name_that_is_not_utf8(instruments, tmp_path):
     """Nothing that is written holds its bytes as they are; the JSON does in hexadecimal, as of the command line."""
     name = b"odd\xff\xe2\x82.csv"

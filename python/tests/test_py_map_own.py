@@ -214,6 +214,9 @@ def test_files_that_are_no_maps(tmp_path, bent):
         brdffit.FitMap.load(tmp_path / "absent")
     with pytest.raises(brdffit.FileError):
         brdffit.FitMap.load(tmp_path / "absent.npz")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(brdffit.FileError, match="file"):
+        brdffit.FitMap.load(tmp_path / "file")
     (tmp_path / "text.npz").write_text("text")
     np.savez(tmp_path / "other.npz", sigma=np.zeros(3))
     for name in ("text.npz", "other.npz"):
@@ -252,6 +255,9 @@ def test_predict(bent, options):
         assert np.array_equal(here.predict(light, view, normal=normals[place]), bent_too[there])
         assert np.array_equal(here.predict(own[there], view[:7], normal=normals[place], quantity="brdf"), by_own[there])
     assert fits.predict(np.zeros((0, 3)), view[0]).shape == (0, 5, 4, 3)
+    for change in ({"y": fits.y[:, :, :1]}, {"x": fits.x[:1]}, {"sigma": fits.sigma[:2]}):
+        with pytest.raises(brdffit.DataError, match="do not belong"):
+            dataclasses.replace(fits, **change).predict(light, view)
 
 
 @pytest.mark.parametrize("arguments, words", [

@@ -238,6 +238,19 @@ def test_maps(stack, target, options):
     assert "the maps are together already" in " ".join(merge(stack, target + ".brdffit-work", expect=1).stderr.split())
 
 
+def test_maps_of_names_with_lines(stack):
+    """A line of a file's name is no option of the run."""
+    (stack / "stack.npy").rename(stack / "st\n--lobes 2\n--tile 3\n.npy")
+    (stack / "geometry.csv").rename(stack / "g\n--lobes 2\n--gap 0.5.csv")
+    command = ["st\n--lobes 2\n--tile 3\n.npy", "-g", "g\n--lobes 2\n--gap 0.5.csv"]
+    stacks.run(stack, *command, "-o", "whole", expect=3)
+    for part in ("1/2", "2/2"):
+        stacks.run(stack, *command, "--tile", "1", "-o", "m", "--shard", part)
+    merge(stack, "m", expect=3)
+    for path in (stack / "whole").iterdir():
+        assert path.read_bytes() == (stack / "m" / path.name).read_bytes(), path.name
+
+
 def test_maps_that_are_not_all_there(stack):
     work = stack / "m.brdffit-work"
     for part in ("1/4", "4/4"):

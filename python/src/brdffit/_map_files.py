@@ -174,8 +174,8 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
     target = pathlib.Path(path)
     try:
         arrays, about = _read(target)
-    except FileNotFoundError as error:
-        raise FileError("cannot open (%s)" % error.strerror, code="open", path=error.filename) from error
+    except OSError as error:
+        raise FileError("cannot open (%s)" % error.strerror, code="open", path=str(error.filename)) from error
     except (zipfile.BadZipFile, ValueError, EOFError) as error:
         if isinstance(error, DataError):
             raise

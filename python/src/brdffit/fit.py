@@ -136,6 +136,7 @@ class Fit:
     def _evaluate(self, at: structs.Samples, quantity: str | None) -> Floats:
         ffi = library()
         at.quantity = choose("quantity", self.quantity if quantity is None else quantity, structs.QUANTITY)
+        self._check_model()
         x, y = floats("x", self.x), floats("y", self.y)
         model = structs.Model(distribution=structs.DISTRIBUTION.index(self.distribution), lobes=self.lobes,
                               channels=len(x))
@@ -146,6 +147,18 @@ class Fit:
         if ffi.core.brdffit_eval(byref(model), byref(at), out.ctypes.data, byref(error)) != 0:
             raise from_struct(error, channels=self.channels)
         return out
+
+    def _check_model(self) -> None:
+        """C reads as much as lobes and channels say: of a fit that was made by hand or by others, is it there?"""
+        choose("distribution", self.distribution, structs.DISTRIBUTION)
+        channels, lobes = len(self.channels), self.lobes
+        if lobes not in (1, 2):
+            raise DataError("a fit has 1 or 2 lobes, not %r" % (lobes,), code="format")
+        for name, shape in (("sigma", (lobes,)), ("x", (channels,)), ("y", (channels, lobes))):
+            if np.shape(getattr(self, name)) != shape:
+                raise DataError("%s of a fit of %d lobe%s and %d channel%s must have shape %s, not %s" % (
+                    name, lobes, "" if lobes == 1 else "s", channels, "" if channels == 1 else "s", shape,
+                    np.shape(getattr(self, name))), code="format")
 
     # ---- Show
 
@@ -182,7 +195,9 @@ class Fit:
         missing = sorted(n for n in ("sigma", "x", "y", "channels", "distribution") if members[n] is None)
         if missing:
             raise DataError("this fit has no %s" % ", ".join(missing), code="format")
-        return cls(**members)
+        fit = cls(**members)
+        fit._check_model()
+        return fit
 
     @classmethod
     def from_json(cls, text: str) -> Fit:
