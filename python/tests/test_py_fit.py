@@ -1,4 +1,5 @@
 """fit(), Fit, progress, errors. SPDX-License-Identifier: MIT"""
+import copy
 import dataclasses
 import json
 import os
@@ -112,7 +113,12 @@ def test_a_fit_is_frozen_and_travels():
         fit.e2 = 0
     with pytest.raises(ValueError):
         fit.sigma[0] = 1
-    assert pickle.loads(pickle.dumps(fit)).to_json() == fit.to_json()
+    for again in (pickle.loads(pickle.dumps(fit)), copy.deepcopy(fit)):
+        assert again.to_json() == fit.to_json() and not again.sigma.flags.writeable
+    boxes = copy.deepcopy(brdffit.fit_boxes(brdffit.Samples.example())[1])
+    samples = pickle.loads(pickle.dumps(brdffit.Samples.example()))
+    assert not (boxes.lower_bound.flags.writeable or samples.values.flags.writeable)
+    assert brdffit.fit(samples, lobes=2).to_dict()["x"] == fit.to_dict()["x"]
 
 
 def test_what_people_read():
@@ -138,6 +144,7 @@ def test_claims_are_rounded_to_their_safe_side(value, digits, up):
 
 @pytest.mark.parametrize("options, kind, code", [
     ({"lobes": 3}, brdffit.OptionError, "option"), ({"norm": "l7"}, brdffit.OptionError, "option"),
+    ({"verify": "much"}, brdffit.OptionError, "option"), ({"verify": 1}, brdffit.OptionError, "option"),
     ({"sigma_range": (0, 1)}, brdffit.OptionError, "option"), ({"sigma_range": 3}, brdffit.OptionError, "option"),
     ({"relative_gap": float("nan")}, brdffit.OptionError, "option"), ({"relative_gap": "x"}, brdffit.OptionError, "option"),
     ({"box_budget": -1}, brdffit.OptionError, "option"), ({"box_budget": 2.5}, brdffit.OptionError, "option"),

@@ -57,6 +57,13 @@ def freeze(array: Array) -> Array:
     return view
 
 
+class Frozen:
+    """Base of dataclasses whose arrays cannot be written to: nor can those of a copy or of what was pickled."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update({name: freeze(value) if isinstance(value, np.ndarray) else value for name, value in state.items()})
+
+
 def from_address(address: int | None, shape: tuple[int, ...], owner: object) -> Floats | None:
     """Doubles in the C library's memory as an array that keeps `owner` alive, without a copy."""
     import ctypes

@@ -14,10 +14,10 @@ import numpy.typing as npt
 
 from . import _structs as structs
 from . import _words
-from ._arrays import Floats, address, floats, freeze, vectors
+from ._arrays import Floats, Frozen, address, floats, freeze, vectors
 from ._ffi import library
 from .errors import DataError, OptionError, from_struct
-from .options import BY_EXPONENT, Options
+from .options import BY_EXPONENT, Options, _number
 from .progress import Observer, ProgressArgument
 from .samples import Samples, choose
 
@@ -29,7 +29,7 @@ _ARRAY_FIELDS = ("sigma", "exponent", "x", "y", "channel_scale", "rms", "weight"
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Fit:
+class Fit(Frozen):
     """A fitted model and its certificate. Attribute names are those of `brdffit fit --json`.
 
     status: "certified", or "gap_open" when the search stopped before its gap closed (the fit and its bound are valid
@@ -246,6 +246,10 @@ def run(samples: Samples, options: Options, verify: float | None, progress: Prog
         read: Mapping[str, float], box: Callable[[object, Any], None] | None = None) -> Fit:
     """The fit itself: one call of brdffit_fit_new, and its result in Python's own memory."""
     ffi = library()
+    if verify is not None:  # said before the search
+        verify = _number("verify", verify)
+        if not 0 <= verify < 1:
+            raise OptionError("verify must be a margin in [0, 1), not %r" % (verify,), code="option")
     c_options, c_samples = options._struct(), samples._struct()
     observer = Observer(progress)
     observer.attach(c_options)
@@ -268,8 +272,6 @@ def run(samples: Samples, options: Options, verify: float | None, progress: Prog
 
 
 def _verify(samples: Samples, options: Options, result: structs.Result, margin: float) -> dict[str, Any]:
-    if not 0 <= margin < 1:
-        raise OptionError("verify must be a margin in [0, 1), not %r" % (margin,), code="option")
     ffi = library()
     c_options = options.replace(engine="socp")._struct()
     c_samples = samples._struct()

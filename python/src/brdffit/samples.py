@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _structs as structs
-from ._arrays import Floats, address, column, floats, freeze, from_address, vectors
+from ._arrays import Floats, Frozen, address, column, floats, freeze, from_address, vectors
 from ._ffi import library
 from ._words import readable
 from .errors import DataError, OptionError, from_struct
@@ -44,7 +44,7 @@ class _Table:
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Samples:
+class Samples(Frozen):
     """Measured reflectance: N samples of K channels. Make one with `from_file`, `from_arrays` or another `from_...`.
 
     values: N x K, f_r in 1/sr (quantity "brdf") or f_r (n.l) (quantity "radiance")
