@@ -103,6 +103,14 @@ def test_merl(instruments, tmp_path, bins):
     assert np.array_equal(by_hand.values, c.values)
     (tmp_path / "t.binary.gz").write_bytes(gzip.compress(path.read_bytes()))
     assert np.array_equal(brdffit.load_merl(tmp_path / "t.binary.gz", bins=bins).values, table.values, equal_nan=True)
+    for light in ([0, 0, 0], [np.nan, 0, 1], [np.inf, 0, 1]):
+        found = table.lookup([light, [0, 0, 1]], [0, 0, 1])
+        assert np.isnan(found[0]).all() and np.array_equal(found[1], table.lookup([0, 0, 1], [0, 0, 1]))
+    packed = bytearray(gzip.compress(path.read_bytes()))
+    packed[12:40] = b"\xff" * 28
+    (tmp_path / "damaged.binary.gz").write_bytes(packed)
+    with pytest.raises(brdffit.FileError):
+        brdffit.load_merl(tmp_path / "damaged.binary.gz")
     (tmp_path / "short.binary").write_bytes(path.read_bytes()[:-1])
     with pytest.raises(brdffit.DataError):
         brdffit.load_merl(tmp_path / "short.binary")
