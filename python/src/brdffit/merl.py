@@ -39,11 +39,11 @@ class MerlTable:
         l, v = np.broadcast_arrays(vectors("light", light), vectors("view", view))
         with np.errstate(invalid="ignore", divide="ignore"):
             l, v = (d / np.linalg.norm(d, axis=-1, keepdims=True) for d in (l, v))
-        none = ~(np.isfinite(l) & np.isfinite(v)).all(-1, keepdims=True)
-        l, v = (np.where(none, (0.0, 0.0, -1.0), d) for d in (l, v))
+        none = ~(np.isfinite(l) & np.isfinite(v)).all(-1) | (l[..., 2] <= 0) | (v[..., 2] <= 0)
+        l, v = (np.where(none[..., None], (0.0, 0.0, 1.0), d) for d in (l, v))
         i, j, k = _cells(self.values.shape[:3], l, v)
         out = self.values[i, j, k]
-        out[(l[..., 2] <= 0) | (v[..., 2] <= 0)] = np.nan
+        out[none] = np.nan
         return np.asarray(out)
 
     def samples(self, at: str | tuple[npt.ArrayLike, npt.ArrayLike] = "table") -> Samples:
