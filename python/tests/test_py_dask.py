@@ -266,7 +266,7 @@ def test_nothing_of_others_is_removed(stack, tmp_path, monkeypatch):
                 brdffit.fit_map(values, light, view, output=output, overwrite=overwrite)
     assert (mine / "notes.txt").read_text() == "precious"
     output = tmp_path / "m.zarr"
-    scan = xarray.DataArray(values, dims=("light", "v", "u", "rgb"), coords={"v": np.arange(4.), "place": (("v", "u"), np.ones((4, 4)))})
+    scan = xarray.DataArray(values, dims=("light", "v", "u", "rgb"), coords={"v": np.arange(4.), "rgb": list("rgb"), "place": (("v", "u"), np.ones((4, 4)))})
     axes = {"sample_axis": "light", "channel_axis": "rgb", "output": output}
     brdffit.fit_map(scan, light, view, **axes)
     brdffit.fit_map(scan, light, view, lobes=2, overwrite=True, **axes)  # coordinates are of the maps
@@ -297,6 +297,9 @@ def test_wrong_arguments(stack):
         brdffit.fit_map(array, light[:-1], view)
     with pytest.raises(brdffit.DataError, match="masked array"):
         brdffit.fit_map(dask.array.ma.masked_greater(array, 0.5), light, view).load()
+    with pytest.raises(brdffit.DataError, match="a block of values"):
+        wrong = array.rechunk(-1).map_blocks(lambda block: block[:, :1], dtype="f4")  # not the shape that it says
+        brdffit.fit_map(wrong, light, view, output=zarr.storage.MemoryStore())
     with pytest.raises(brdffit.DataError, match="unknown size"):
         brdffit.fit_map(array[:, array[0, :, 0, 0] > 0], light, view)
     with pytest.raises(brdffit.DataError) as raised:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Callable, Mapping, Sequence
 import numpy as np
 
 from . import _zarr_maps as store
-from ._tiles import Region
-from .errors import BrdffitError
+from ._tiles import Region, shape_of
+from .errors import BrdffitError, DataError
 
 if TYPE_CHECKING:
     from .maps import FitMap
@@ -70,6 +70,9 @@ class TileJob:
             raise
         if ask(None):
             raise Stopped("stopped")
+        if result.shape != shape_of(tile.region):  # would be spread over the tile
+            raise DataError("a block of values has texels of shape %s, and should have %s" % (
+                result.shape, shape_of(tile.region)), code="argument")
         return result
 
     def arrays(self, tile: Tile, block: Any) -> dict[str, Any]:

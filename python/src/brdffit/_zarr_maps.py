@@ -123,8 +123,8 @@ def _names(group: Any) -> set[str]:
 def _foreign(group: Any) -> list[str]:
     """Of these what is neither an array of maps nor a coordinate of theirs."""
     ours = {field.stored for field in fields(1, 1)} | {"tiles"} | set(str(group.attrs.get("coordinates", "")).split())
-    if "sigma" in group:
-        ours |= set(group["sigma"].metadata.dimension_names or ())
+    if "specular" in group:  # which has all dimensions
+        ours |= set(group["specular"].metadata.dimension_names or ())
     return sorted(_names(group) - ours)
 
 
