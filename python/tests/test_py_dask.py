@@ -4,6 +4,7 @@ SPDX-License-Identifier: MIT
 """
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -19,6 +20,7 @@ import brdffit.dask
 import stacks
 
 dask = pytest.importorskip("dask")
+pytest.importorskip("dask.array")  # which `import dask` alone does not bring
 distributed = pytest.importorskip("distributed")
 xarray = pytest.importorskip("xarray")
 zarr = pytest.importorskip("zarr")
@@ -250,6 +252,38 @@ def test_what_may_not_go_on(stack, tmp_path):
         brdffit.fit_map(values, light, view, output=zarr.open_group(str(tmp_path / "two.zarr"), mode="w", zarr_format=2))
 
 
+def test_nothing_of_others_is_removed(stack, tmp_path, monkeypatch):
+    """Files that are not zarr's are things, too: overwrite once removed a folder with all that was in it."""
+    values, light, view = stack
+    values = values[:, :4, :4]
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "notes.txt").write_text("precious")
+    monkeypatch.chdir(mine)
+    for output in (mine, str(mine), "", "file://%s" % mine):
+        for overwrite in (False, True):
+            with pytest.raises(brdffit.DataError, match="something else"):
+                brdffit.fit_map(values, light, view, output=output, overwrite=overwrite)
+    assert (mine / "notes.txt").read_text() == "precious"
+    output = tmp_path / "m.zarr"
+    scan = xarray.DataArray(values, dims=("light", "v", "u", "rgb"), coords={"v": np.arange(4.), "rgb": list("rgb"), "place": (("v", "u"), np.ones((4, 4)))})
+    axes = {"sample_axis": "light", "channel_axis": "rgb", "output": output}
+    brdffit.fit_map(scan, light, view, **axes)
+    brdffit.fit_map(scan, light, view, lobes=2, overwrite=True, **axes)  # coordinates are of the maps
+    for path in (output / "notes.txt", output / "analysis" / "zarr.json"):
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("precious")
+        with pytest.raises(brdffit.DataError, match="beside maps.*: " + path.relative_to(output).parts[0]):
+            brdffit.fit_map(scan, light, view, overwrite=True, **axes)
+        assert path.read_text() == "precious"
+        shutil.rmtree(path.parent) if path.parent != output else path.unlink()
+    again = brdffit.fit_map(scan, light, view, overwrite=True, **axes)
+    assert again.place.sum() == 16 and again.sizes["lobe"] == 1
+    for store in (zarr.storage.MemoryStore(), zarr.open_group(zarr.storage.MemoryStore(), path="deep/down")):
+        for lobes in (1, 2):
+            brdffit.fit_map(values, light, view, lobes=lobes, overwrite=True, output=store)
+
+
 def test_wrong_arguments(stack):
     values, light, view = stack
     array = dask.array.from_array(values)
@@ -261,6 +295,11 @@ def test_wrong_arguments(stack):
             brdffit.fit_map(array, light, view, **more)
     with pytest.raises(brdffit.DataError):
         brdffit.fit_map(array, light[:-1], view)
+    with pytest.raises(brdffit.DataError, match="masked array"):
+        brdffit.fit_map(dask.array.ma.masked_greater(array, 0.5), light, view).load()
+    with pytest.raises(brdffit.DataError, match="a block of values"):
+        wrong = array.rechunk(-1).map_blocks(lambda block: block[:, :1], dtype="f4")  # not the shape that it says
+        brdffit.fit_map(wrong, light, view, output=zarr.storage.MemoryStore())
     with pytest.raises(brdffit.DataError, match="unknown size"):
         brdffit.fit_map(array[:, array[0, :, 0, 0] > 0], light, view)
     with pytest.raises(brdffit.DataError) as raised:

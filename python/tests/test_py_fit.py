@@ -1,7 +1,10 @@
 """fit(), Fit, progress, errors. SPDX-License-Identifier: MIT"""
+import copy
 import dataclasses
 import json
+import os
 import pickle
+import shutil
 import signal
 import threading
 
@@ -56,6 +59,32 @@ def test_reads_its_own_lines_and_so_does_the_command_line(instruments, tmp_path)
     assert np.array_equal(fitted, again.predict_samples(brdffit.Samples.from_csv(path)))
 
 
+@pytest.mark.parametrize("change", [{"y": [[0.1]]}, {"y": [0.1, 0.2, 0.3]}, {"x": [1.0]}, {"sigma": [0.1, 0.2]}, {"lobes": 2},
+                                    {"lobes": 3}, {"distribution": "phong"}, {"channels": ["r"]}], ids=str)
+def test_fits_that_do_not_hold_together(change):
+    """C would read past the end of what is too short."""
+    fit = brdffit.fit(brdffit.Samples.example())
+    with pytest.raises((brdffit.DataError, brdffit.OptionError)):
+        brdffit.Fit.from_dict(fit.to_dict() | change)
+    with pytest.raises((brdffit.DataError, brdffit.OptionError)):
+        dataclasses.replace(fit, **change).predict([0, 0, 1], [0, 0, 1])
+
+
+def test_a_name_that_is_not_utf8(instruments, tmp_path):
+    """Nothing that is written holds its bytes as they are; the JSON does in hexadecimal, as of the command line."""
+    name = b"odd\xff\xe2\x82.csv"
+    path = os.path.join(tmp_path, os.fsdecode(name))
+    shutil.copy(instruments / "matte.csv", path)
+    fit = brdffit.fit(path)
+    for text in (fit.to_json(), repr(fit), fit._repr_html_(), repr(brdffit.Samples.from_file(path))):
+        assert "odd\ufffd\ufffd\ufffd.csv" in text and text.encode()
+    (line,) = harness.fit(os.path.join(os.fsencode(tmp_path), name), cwd=tmp_path)
+    assert bytes.fromhex(line["file_bytes"]).endswith(name)
+    for text in (fit.to_json(), json.dumps(line)):
+        again = brdffit.Fit.from_json(text)
+        assert (again.file, again.to_dict()["file"], again.to_dict()["file_bytes"]) == (path, line["file"], line["file_bytes"])
+
+
 @pytest.mark.parametrize("distribution", model.DISTRIBUTIONS)
 def test_predict(distribution):
     fit = brdffit.fit(brdffit.Samples.example(), lobes=2, distribution=distribution)
@@ -84,7 +113,12 @@ def test_a_fit_is_frozen_and_travels():
         fit.e2 = 0
     with pytest.raises(ValueError):
         fit.sigma[0] = 1
-    assert pickle.loads(pickle.dumps(fit)).to_json() == fit.to_json()
+    for again in (pickle.loads(pickle.dumps(fit)), copy.deepcopy(fit)):
+        assert again.to_json() == fit.to_json() and not again.sigma.flags.writeable
+    boxes = copy.deepcopy(brdffit.fit_boxes(brdffit.Samples.example())[1])
+    samples = pickle.loads(pickle.dumps(brdffit.Samples.example()))
+    assert not (boxes.lower_bound.flags.writeable or samples.values.flags.writeable)
+    assert brdffit.fit(samples, lobes=2).to_dict()["x"] == fit.to_dict()["x"]
 
 
 def test_what_people_read():
@@ -110,6 +144,7 @@ def test_claims_are_rounded_to_their_safe_side(value, digits, up):
 
 @pytest.mark.parametrize("options, kind, code", [
     ({"lobes": 3}, brdffit.OptionError, "option"), ({"norm": "l7"}, brdffit.OptionError, "option"),
+    ({"verify": "much"}, brdffit.OptionError, "option"), ({"verify": 1}, brdffit.OptionError, "option"),
     ({"sigma_range": (0, 1)}, brdffit.OptionError, "option"), ({"sigma_range": 3}, brdffit.OptionError, "option"),
     ({"relative_gap": float("nan")}, brdffit.OptionError, "option"), ({"relative_gap": "x"}, brdffit.OptionError, "option"),
     ({"box_budget": -1}, brdffit.OptionError, "option"), ({"box_budget": 2.5}, brdffit.OptionError, "option"),

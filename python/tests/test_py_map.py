@@ -269,7 +269,8 @@ def test_a_map_is_frozen_and_travels(whole):
         whole.e2 = 0
     with pytest.raises(ValueError):
         whole.sigma[0] = 1
-    assert same(whole, pickle.loads(pickle.dumps(whole)))
+    again = pickle.loads(pickle.dumps(whole))
+    assert same(whole, again) and not again.sigma.flags.writeable
     assert np.array_equal(whole.gap, np.maximum(whole.e2 - whole.lower_bound, 0), equal_nan=True)
 
 

@@ -38,10 +38,12 @@ def equal_files(one, other):
         assert (one / name).read_bytes() == (other / name).read_bytes(), name
 
 
-@pytest.mark.parametrize("options", [{}, {"lobes": 2, "distribution": "blinn-phong"}], ids=str)
+@pytest.mark.parametrize("options", [{}, {"lobes": 2, "distribution": "blinn-phong"}, {"relative_gap": 0.003, "max_incidence": 55.1}],
+                         ids=str)
 def test_the_files_of_the_command_line(bent, tmp_path, options):
     """Shared directions and a mask: byte for byte, as folder and as .npz, with the exponent where there is one."""
-    words = [word for key, value in options.items() for word in ("--" + key, str(value))]
+    words = [word for key, value in options.items()
+             for word in ("--" + {"relative_gap": "gap"}.get(key, key).replace("_", "-"), str(value))]
     mask = np.ones((5, 4))
     mask[0, 1:3] = 0, np.nan
     command(tmp_path, bent, *words, mask=mask)
@@ -168,6 +170,18 @@ def test_errors_that_are_raised(bent):
 # ---- Files, and models elsewhere
 
 
+@pytest.mark.parametrize("options", [
+    {"sigma_range": (0.05, 0.5), "absolute_gap": 1e-9, "max_incidence": 50.0, "normalise": "none"},
+    {"distribution": "lafortune", "exponent_range": (1.0, 1e5), "lobes": 2, "box_budget": 77, "sigma_resolution": 1e-9}], ids=str)
+def test_what_is_read_again_claims_no_more(bent, tmp_path, options):
+    """The range that was searched comes back: the proof holds there and nowhere else."""
+    fits = brdffit.fit_map(bent[0], *bent[1:3], **options)
+    fits.save(tmp_path / "m")
+    again = brdffit.FitMap.load(tmp_path / "m")
+    assert again.options == fits.options
+    assert repr(again).partition("Proven")[2] == repr(fits).partition("Proven")[2] != ""
+
+
 def test_read_again(bent, tmp_path):
     stack, light, view, _ = bent
     fits = brdffit.fit_map(stack, light, view, quantity="radiance", distribution="ggx", relative_gap=1e-4)
@@ -200,6 +214,9 @@ def test_files_that_are_no_maps(tmp_path, bent):
         brdffit.FitMap.load(tmp_path / "absent")
     with pytest.raises(brdffit.FileError):
         brdffit.FitMap.load(tmp_path / "absent.npz")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(brdffit.FileError, match="file"):
+        brdffit.FitMap.load(tmp_path / "file")
     (tmp_path / "text.npz").write_text("text")
     np.savez(tmp_path / "other.npz", sigma=np.zeros(3))
     for name in ("text.npz", "other.npz"):
@@ -238,6 +255,9 @@ def test_predict(bent, options):
         assert np.array_equal(here.predict(light, view, normal=normals[place]), bent_too[there])
         assert np.array_equal(here.predict(own[there], view[:7], normal=normals[place], quantity="brdf"), by_own[there])
     assert fits.predict(np.zeros((0, 3)), view[0]).shape == (0, 5, 4, 3)
+    for change in ({"y": fits.y[:, :, :1]}, {"x": fits.x[:1]}, {"sigma": fits.sigma[:2]}):
+        with pytest.raises(brdffit.DataError, match="do not belong"):
+            dataclasses.replace(fits, **change).predict(light, view)
 
 
 @pytest.mark.parametrize("arguments, words", [

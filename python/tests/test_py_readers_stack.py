@@ -194,7 +194,7 @@ def test_exr_stack(scene, monkeypatch, whole):
     assert np.array_equal(stack.values[:, 17:19, 5:9], values[:, 17:19, 5:9])
     assert np.array_equal(stack.values[2, -1, ::-7, 1], values[2, -1, ::-7, 1])
     assert np.allclose(np.linalg.norm(stack.light, axis=1), 1) and (stack.view == [0, 0, 1]).all()
-    assert repr(stack) == "<Stack: 3 images of 30 x 40 (r, g, b) from %s>" % path
+    assert repr(stack) == "<Stack: 3 images of 30 x 40 (r, g, b), radiance from %s>" % path
     again = pickle.loads(pickle.dumps(stack))
     assert np.array_equal(again.values[1], values[1])
     texel = stack.texel(3, 4)

@@ -233,6 +233,23 @@ def test_stack(tmp_path, kind):
         brdffit.Samples.from_file(path)
 
 
+def test_the_weights_and_the_mask_of_a_stack(tmp_path):
+    """Weights were read of samples alone, and NaN in a mask was taken for true."""
+    rng = np.random.default_rng(8)
+    light, view = brdffit.protocol84()
+    values, weights = rng.uniform(0.5, 1, (84, 2, 3, 3)), rng.uniform(0, 2, 84)
+    mask = np.array([[1, 0, np.nan], [1, 2, -1]])
+    stack = brdffit.load_stack(write(tmp_path, "hdf5", {"values": values, "light": light, "view": view, "weights": weights, "mask": mask}))
+    expected = brdffit.fit_map(values, light, view, weights=weights, mask=mask, quantity="radiance")
+    assert expected.counts["masked"] == 2
+    for maps in (stack.fit_map(), stack.fit_map(rows=1), pickle.loads(pickle.dumps(stack)).fit_map()):
+        assert np.array_equal(maps.x, expected.x, equal_nan=True) and np.array_equal(maps.e2, expected.e2, equal_nan=True)
+    assert brdffit.fit(stack.texel(1, 1)).e2 == pytest.approx(expected.e2[1, 1], rel=1e-2)
+    assert not np.array_equal(stack.fit_map(weights=None).e2, expected.e2, equal_nan=True)
+    with pytest.raises(brdffit.DataError, match="weights"):
+        brdffit.load_stack(write(tmp_path, "hdf5", {"values": values, "light": light, "weights": weights[1:]}, name="short"))
+
+
 @pytest.mark.parametrize("kind", KINDS[:2])
 def test_stacks_of_other_forms(tmp_path, kind):
     rng = np.random.default_rng(4)

@@ -2,6 +2,7 @@
 import base64
 import os
 import re
+import shutil
 import stat
 import struct
 import sys
@@ -69,6 +70,16 @@ def test_names_are_escaped(tmp_path):
     samples = brdffit.Samples.example()
     text = report.page(samples, "<b>&", lobes=1)
     assert "<b>&<" not in text and "&lt;b&gt;&amp;" in text
+
+
+def test_a_name_that_is_not_utf8_stops_nothing(instruments, tmp_path, capsys):
+    odd = os.path.join(tmp_path, os.fsdecode(b"odd\xff.csv"))
+    shutil.copy(instruments / "matte.csv", odd)
+    files = [odd, odd.replace("odd", "absent"), str(instruments / "matte.csv")]
+    assert report.main(["-q", "--lobes", "1", "-o", str(tmp_path / "out"), *files]) == 1
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["index.html", "matte.html", "odd_.html"]
+    assert "odd\ufffd.csv" in (tmp_path / "out" / "odd_.html").read_text()
+    assert "absent\ufffd.csv" in (tmp_path / "out" / "index.html").read_text()
 
 
 def test_exit_codes(instruments, tmp_path, capsys):

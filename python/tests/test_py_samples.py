@@ -65,6 +65,22 @@ def test_arrays_that_do_not_fit_together(arguments):
         brdffit.Samples.from_arrays(*arguments)
 
 
+def test_masks_are_not_dropped():
+    """Of a masked array the data would be fitted, masked ones included."""
+    light, view = brdffit.protocol84()
+    values = np.full((84, 3), 0.5)
+    hidden = lambda array: np.ma.masked_array(array, np.arange(array.size).reshape(array.shape) == 5)
+    for arguments in ((hidden(light), view, values), (light, hidden(view), values), (light, view, hidden(values))):
+        with pytest.raises(brdffit.DataError, match="masked entries"):
+            brdffit.Samples.from_arrays(*arguments)
+    with pytest.raises(brdffit.DataError, match="weights is an array with masked"):
+        brdffit.Samples.from_arrays(light, view, values, weights=hidden(np.ones(84)))
+    whole = brdffit.Samples.from_arrays(light, view, np.ma.masked_array(values))  # nothing is masked
+    assert np.array_equal(whole.values, values)
+    with pytest.raises(brdffit.DataError, match="mask is an array with masked"):
+        brdffit.fit_map(values[:, None], light, view, mask=np.ma.masked_array([1], [True]))
+
+
 @pytest.mark.parametrize("bins", ["edge", "centre"])
 def test_merl(instruments, tmp_path, bins):
     path = instruments / "two_lobe_table.binary"
@@ -87,6 +103,14 @@ def test_merl(instruments, tmp_path, bins):
     assert np.array_equal(by_hand.values, c.values)
     (tmp_path / "t.binary.gz").write_bytes(gzip.compress(path.read_bytes()))
     assert np.array_equal(brdffit.load_merl(tmp_path / "t.binary.gz", bins=bins).values, table.values, equal_nan=True)
+    for light in ([0, 0, 0], [np.nan, 0, 1], [np.inf, 0, 1]):
+        found = table.lookup([light, [0, 0, 1]], [0, 0, 1])
+        assert np.isnan(found[0]).all() and np.array_equal(found[1], table.lookup([0, 0, 1], [0, 0, 1]))
+    packed = bytearray(gzip.compress(path.read_bytes()))
+    packed[12:40] = b"\xff" * 28
+    (tmp_path / "damaged.binary.gz").write_bytes(packed)
+    with pytest.raises(brdffit.FileError):
+        brdffit.load_merl(tmp_path / "damaged.binary.gz")
     (tmp_path / "short.binary").write_bytes(path.read_bytes()[:-1])
     with pytest.raises(brdffit.DataError):
         brdffit.load_merl(tmp_path / "short.binary")

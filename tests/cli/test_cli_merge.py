@@ -210,7 +210,10 @@ def stack(tmp_path):
 COMMAND = ["stack.npy", "-g", "geometry.csv", "--tile", "1"]
 
 
-@pytest.mark.parametrize("options", [("--lobes", "2"), ("--distribution", "blinn-phong", "--gap", "1e-5", "--values", "radiance")],
+@pytest.mark.parametrize("options", [("--lobes", "2"), ("--distribution", "blinn-phong", "--gap", "1e-5", "--values", "radiance",
+                                      "--exponent-max", "1e5", "--absolute-gap", "1e-9", "--normalise", "none"),
+                                     ("--sigma-min", "0.02", "--sigma-max", "3", "--max-incidence", "50", "--resolution",
+                                      "1e-9", "--box-budget", "99999")],
                          ids=" ".join)
 @pytest.mark.parametrize("target", ["m.npz", "m", "pfm"])
 def test_maps(stack, target, options):
@@ -233,6 +236,19 @@ def test_maps(stack, target, options):
     assert words(done.stdout)[:2] == words(whole.stdout)[:2] and done.stderr == whole.stderr
     assert not (stack / (target + ".brdffit-work")).exists()
     assert "the maps are together already" in " ".join(merge(stack, target + ".brdffit-work", expect=1).stderr.split())
+
+
+def test_maps_of_names_with_lines(stack):
+    """A line of a file's name is no option of the run."""
+    (stack / "stack.npy").rename(stack / "st\n--lobes 2\n--tile 3\n.npy")
+    (stack / "geometry.csv").rename(stack / "g\n--lobes 2\n--gap 0.5.csv")
+    command = ["st\n--lobes 2\n--tile 3\n.npy", "-g", "g\n--lobes 2\n--gap 0.5.csv"]
+    stacks.run(stack, *command, "-o", "whole", expect=3)
+    for part in ("1/2", "2/2"):
+        stacks.run(stack, *command, "--tile", "1", "-o", "m", "--shard", part)
+    merge(stack, "m", expect=3)
+    for path in (stack / "whole").iterdir():
+        assert path.read_bytes() == (stack / "m" / path.name).read_bytes(), path.name
 
 
 def test_maps_that_are_not_all_there(stack):

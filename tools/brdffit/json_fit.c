@@ -164,7 +164,7 @@ static void lobes(cli_json *json, const brdffit_result *result)
     brdffit_cli_json_close(json, ']');
 }
 
-static void options(cli_json *json, const brdffit_options *o)
+void brdffit_cli_json_options(cli_json *json, const brdffit_options *o)
 {
     const double exponents[2] = {o->exponent_min, o->exponent_max};
     const int by_exponent = brdffit_cli_by_exponent(o->distribution);
@@ -236,7 +236,7 @@ static void result_members(cli_json *json, const cli_job *job, const cli_fitter 
     brdffit_cli_json_string(json, "stop", brdffit_stop_string(result->stop));
     lobes(json, result);
     brdffit_cli_json_channels(json, job->table);
-    options(json, &fitter->options);
+    brdffit_cli_json_options(json, &fitter->options);
     brdffit_cli_json_source(json, job, fitter->settings);
     if (job->table->format == BRDFFIT_IO_FORMAT_MERL && fitter->io.directions != NULL)
         directions(json, fitter->io.directions);

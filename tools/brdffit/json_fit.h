@@ -9,6 +9,9 @@
 /* One line, newline included. */
 void brdffit_cli_json_fit(cli_text *text, const cli_job *job, const cli_fitter *fitter);
 
+/* What the fit was asked for, and where its proof holds: also of maps. */
+void brdffit_cli_json_options(cli_json *json, const brdffit_options *o);
+
 /* Members that fit and info lines share. */
 void brdffit_cli_json_error(cli_json *json, const cli_job *job);
 void brdffit_cli_json_source(cli_json *json, const cli_job *job, const cli_settings *settings);

@@ -28,6 +28,7 @@ void brdffit_cli_map_shape(cli_text *text, const brdffit_array *array)
 void brdffit_cli_map_record(cli_map *map, const char *role, const char *path, const brdffit_array *array)
 {
     struct stat about;
+    const size_t start = map->identity.size;
     if (stat(path, &about) != 0)
         memset(&about, 0, sizeof about);
     brdffit_cli_text_printf(&map->identity, "%s %s: %lld bytes of %lld.%09ld", role, path,
@@ -37,6 +38,9 @@ void brdffit_cli_map_record(cli_map *map, const char *role, const char *path, co
         brdffit_cli_text_printf(&map->identity, ", %c%d, ", array->kind, array->item_size);
         brdffit_cli_map_shape(&map->identity, array);
     }
+    for (size_t i = start; i < map->identity.size; i++)
+        if (map->identity.data[i] == '\n') /* of a name: a line of it could pass for an option */
+            map->identity.data[i] = ' ';
     brdffit_cli_text_puts(&map->identity, "\n");
 }
 

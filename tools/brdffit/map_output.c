@@ -13,7 +13,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "json_write.h"
+#include "json_fit.h"
 #include "map.h"
 #include "output.h"
 #include "words.h"
@@ -250,7 +250,7 @@ static int write_description(const writer *w)
     brdffit_cli_json_count(&json, "lobes", (size_t)map->options.lobes);
     brdffit_cli_json_string(&json, "distribution", brdffit_distribution_string(map->options.distribution));
     brdffit_cli_json_string(&json, "norm", brdffit_norm_string(map->options.norm));
-    brdffit_cli_json_number(&json, "relative_gap", map->options.relative_gap);
+    brdffit_cli_json_options(&json, &map->options);
     brdffit_cli_json_string(&json, "quantity",
                             brdffit_cli_choice_name(brdffit_cli_quantity_choices, (int)map->geometry.quantity));
     legend(&json);

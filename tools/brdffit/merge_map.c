@@ -43,20 +43,37 @@ static int sound(const cli_map *map)
            map->channels < 1u << 20 && map->height < 1u << 30 && texels < 1e9;
 }
 
+static int number(const char *manifest, const char *key, double *value)
+{
+    const char *const word = after(manifest, key);
+    return word != NULL && sscanf(word, "%lf", value) == 1;
+}
+
+/* What brdffit_cli_record_options wrote, as far as map.json tells it. */
+static int parse_options(cli_settings *s, const char *options)
+{
+    const char *const budget = after(options, "--box-budget");
+    return sscanf(options, "%d", &s->lobes) == 1 && (s->lobes == 1 || s->lobes == 2) &&
+           choice(options, "--distribution", brdffit_cli_distribution_choices, &s->distribution) &&
+           choice(options, "--norm", brdffit_cli_norm_choices, &s->norm) &&
+           choice(options, "--normalise", brdffit_cli_normalise_choices, &s->normalise) &&
+           number(options, "--sigma-min", &s->sigma_min) && number(options, "--sigma-max", &s->sigma_max) &&
+           number(options, "--exponent-min", &s->exponent_min) && number(options, "--exponent-max", &s->exponent_max) &&
+           number(options, "--gap", &s->gap) && number(options, "--absolute-gap", &s->absolute_gap) &&
+           number(options, "--resolution", &s->resolution) && budget != NULL &&
+           sscanf(budget, "%zu", &s->box_budget) == 1 && number(options, "--max-incidence", &s->max_incidence);
+}
+
 /* 1 when all is found. The name of the stack ends the manifest, whatever characters it has. */
 static int parse(cli_map *map, cli_settings *settings, char *manifest, size_t size)
 {
     const char *const shape = after(manifest, "maps of"), *const options = after(manifest, "--lobes");
-    const char *const gap = options != NULL ? after(options, "--gap") : NULL;
     const char *const tile = options != NULL ? after(options, "--tile") : NULL;
     int quantity = 0, start = 0;
-    if (shape == NULL || options == NULL || gap == NULL || tile == NULL || size == 0 || manifest[size - 1] != '\n' ||
-        sscanf(options, "%d", &settings->lobes) != 1 || (settings->lobes != 1 && settings->lobes != 2) ||
-        sscanf(gap, "%lf", &settings->gap) != 1 || sscanf(tile, "%zu", &map->tile_rows) != 1 ||
+    if (shape == NULL || options == NULL || tile == NULL || size == 0 || manifest[size - 1] != '\n' ||
+        !parse_options(settings, options) || sscanf(tile, "%zu", &map->tile_rows) != 1 ||
         sscanf(shape, "%zu x %zu x %zu x %zu: %n", &map->samples, &map->height, &map->width, &map->channels,
                &start) != 4 || start == 0 ||
-        !choice(options, "--distribution", brdffit_cli_distribution_choices, &settings->distribution) ||
-        !choice(options, "--norm", brdffit_cli_norm_choices, &settings->norm) ||
         !choice(options, "--values", brdffit_cli_quantity_choices, &quantity) || !sound(map))
         return 0;
     manifest[size - 1] = '\0';

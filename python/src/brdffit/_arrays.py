@@ -11,8 +11,16 @@ from .errors import DataError
 Floats = npt.NDArray[np.float64]
 
 
+def unmasked(name: str, value: object) -> None:
+    """A masked array would become its data, and what was masked would be fitted."""
+    if np.ma.is_masked(value):
+        raise DataError("%s is an array with masked entries: leave them out, give their samples the weight 0, or their texels "
+                        "the mask 0" % name, code="argument")
+
+
 def floats(name: str, value: npt.ArrayLike) -> Floats:
     """`value` as float64 in C order; not copied when it is that already."""
+    unmasked(name, value)
     try:
         array = np.asarray(value)
         if array.dtype.kind not in "fiub":
@@ -47,6 +55,13 @@ def freeze(array: Array) -> Array:
     view: Array = array.view()
     view.flags.writeable = False
     return view
+
+
+class Frozen:
+    """Base of dataclasses whose arrays cannot be written to: nor can those of a copy or of what was pickled."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update({name: freeze(value) if isinstance(value, np.ndarray) else value for name, value in state.items()})
 
 
 def from_address(address: int | None, shape: tuple[int, ...], owner: object) -> Floats | None:

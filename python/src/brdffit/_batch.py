@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _structs as structs
-from ._arrays import address
+from ._arrays import address, unmasked
 from ._ffi import library
 from ._stack import Block, Stack, Values
 from .errors import DataError, OptionError, from_struct
@@ -197,6 +197,7 @@ def texel_mask(mask: npt.ArrayLike | None, spatial: tuple[int, ...]) -> npt.NDAr
     """A byte a texel, flat: 0 where `mask` is 0 or NaN."""
     if mask is None:
         return None
+    unmasked("mask", mask)
     array = np.asarray(mask)
     if array.dtype.kind not in "fiub":
         raise DataError("mask must be of numbers or truth values, not %s" % array.dtype, code="value")

@@ -97,6 +97,9 @@ def _evaluate(fits: FitMap, at: structs.Samples, directions: _Directions, out: F
     sigma, x, y = (floats(name, getattr(fits, name)) for name in ("sigma", "x", "y"))
     fitted = fits.fitted.reshape(-1)
     lobes, channels, width = fits.lobes, fits.channels, 24 * at.count
+    if sigma.shape[:-1] != fits.shape or x.shape[:-1] != fits.shape or y.shape != (*x.shape, lobes):
+        raise DataError("sigma, x and y of shapes %s, %s and %s do not belong to texels of shape %s" % (
+            sigma.shape, x.shape, y.shape, fits.shape), code="argument")
     model = structs.Model(distribution=structs.DISTRIBUTION.index(fits.options.distribution), lobes=lobes,
                           channels=channels)
     words = np.frombuffer(memoryview(model).cast("B"), np.uintp)

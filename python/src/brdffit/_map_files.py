@@ -13,7 +13,6 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _batch
-from . import _structs as structs
 from ._arrays import Floats, freeze
 from ._version import __version__
 from .errors import DataError, FileError, OptionError
@@ -25,6 +24,8 @@ if TYPE_CHECKING:
 
 SCHEMA = "brdffit.map/1"
 _DESCRIPTION = "map.json"
+# Members of map.json that are options of the same name, behind the ranges.
+_ASKED = ("relative_gap", "absolute_gap", "sigma_resolution", "box_budget", "max_incidence")
 _REQUIRED = ("sigma", "x", "y", "e2", "lower_bound", "status")
 
 
@@ -39,15 +40,27 @@ def describe(fits: FitMap) -> dict[str, Any]:
     counts = fits.counts
     known = [name for name in _batch.STATUS if name != "not_reached" or counts[name]]
     size = {"height": fits.shape[0], "width": fits.shape[1]} if len(fits.shape) == 2 else {"shape": list(fits.shape)}
+    o = fits.options
+    ranges = {"sigma_range": o.sigma_searched, **({"exponent_range": o.exponent_range} if o.by_exponent else {})}
     return {"schema": SCHEMA, "version": __version__, "samples": fits.samples, **size, "channels": fits.channels,
-            "lobes": fits.lobes, "distribution": fits.options.distribution, "norm": fits.options.norm,
-            "relative_gap": fits.options.relative_gap, "quantity": fits.quantity,
+            "lobes": fits.lobes, "distribution": o.distribution, "norm": o.norm, "normalise": o.normalise,
+            **{name: list(ends) for name, ends in ranges.items()}, **{name: getattr(o, name) for name in _ASKED},
+            "quantity": fits.quantity,
             "status": {str(_batch.STATUS.index(name)): name for name in known},
             "texels": {name: counts[name] for name in known}}
 
 
+def _text(value: Any) -> str:
+    """JSON as the command line writes it: numbers with 17 digits."""
+    if isinstance(value, dict):
+        return "{%s}" % ",".join("%s:%s" % (json.dumps(key), _text(one)) for key, one in value.items())
+    if isinstance(value, list):
+        return "[%s]" % ",".join(map(_text, value))
+    return "%.17g" % value if isinstance(value, float) else json.dumps(value)
+
+
 def _json(fits: FitMap) -> bytes:
-    return (json.dumps(describe(fits), separators=(",", ":")) + "\n").encode()
+    return (_text(describe(fits)) + "\n").encode()
 
 
 def _replace(path: pathlib.Path, write: Callable[[IO[bytes]], None]) -> None:
@@ -161,13 +174,27 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
     target = pathlib.Path(path)
     try:
         arrays, about = _read(target)
-    except FileNotFoundError as error:
-        raise FileError("cannot open (%s)" % error.strerror, code="open", path=error.filename) from error
+    except OSError as error:
+        raise FileError("cannot open (%s)" % error.strerror, code="open", path=str(error.filename)) from error
     except (zipfile.BadZipFile, ValueError, EOFError) as error:
         if isinstance(error, DataError):
             raise
         raise DataError("these are no maps (%s)" % error, code="format", path=str(target)) from error
     return _members(arrays, about, target)
+
+
+def _options(about: dict[str, Any], lobes: int, path: pathlib.Path) -> Options:
+    """What was asked for: where the proof holds is among it."""
+    try:
+        ranges: dict[str, Any] = {name: tuple(about[name]) for name in ("sigma_range", "exponent_range") if name in about}
+        if "exponent_range" in ranges:
+            del ranges["sigma_range"]  # that of the exponent in other words
+        options = Options(lobes=lobes, **{name: about[name] for name in ("distribution", "norm", "normalise", *_ASKED)},
+                          **ranges)
+        return options._plain()
+    except (KeyError, TypeError, OptionError) as error:
+        raise DataError("%s does not say what was asked for (%s)" % (_DESCRIPTION, error), code="format",
+                        path=str(path)) from error
 
 
 def _members(arrays: dict[str, npt.NDArray[Any]], about: dict[str, Any], path: pathlib.Path) -> dict[str, Any]:
@@ -186,9 +213,7 @@ def _members(arrays: dict[str, npt.NDArray[Any]], about: dict[str, Any], path: p
     kept.update(channel_scale=np.full((*spatial, channels), np.nan), sum_of_squares=nothing,
                 stop=np.full(spatial, _batch.NO_STOP, np.uint8), where=np.full(spatial, -1, np.intp),
                 boxes=np.zeros(spatial, np.intp))
-    options = Options(lobes=lobes, distribution=str(about["distribution"]), norm=str(about["norm"]),
-                      relative_gap=float(about["relative_gap"]))
-    choose("distribution", options.distribution, structs.DISTRIBUTION)
+    options = _options(about, lobes, path)
     return {**{name: freeze(array) for name, array in kept.items()}, "samples": int(about["samples"]),
             "samples_skipped": {}, "quantity": str(about["quantity"]), "options": options,
             "stats": {name: int(count) for name, count in about["texels"].items()}, "seconds": 0.0}

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Callable, Mapping, Sequence
 import numpy as np
 
 from . import _zarr_maps as store
-from ._tiles import Region
-from .errors import BrdffitError
+from ._tiles import Region, shape_of
+from .errors import BrdffitError, DataError
 
 if TYPE_CHECKING:
     from .maps import FitMap
@@ -58,7 +58,7 @@ class TileJob:
         def ask(_: object) -> bool:
             return stopped is not None and stopped()
 
-        values = block.load() if isinstance(block, StoredBlock) else np.asarray(block)
+        values = block.load() if isinstance(block, StoredBlock) else np.asanyarray(block)  # masks are refused
         try:
             # One thread of C for a thread of the scheduler: it knows how many processors there are.
             result: FitMap = fit_map(values, threads=1, progress=None if stopped is None else ask, **self.arguments,
@@ -70,6 +70,9 @@ class TileJob:
             raise
         if ask(None):
             raise Stopped("stopped")
+        if result.shape != shape_of(tile.region):  # would be spread over the tile
+            raise DataError("a block of values has texels of shape %s, and should have %s" % (
+                result.shape, shape_of(tile.region)), code="argument")
         return result
 
     def arrays(self, tile: Tile, block: Any) -> dict[str, Any]:

@@ -7,6 +7,8 @@ from __future__ import annotations
 import decimal
 import html as _html
 import math
+import os
+import re
 from typing import TYPE_CHECKING, Any, Mapping, Sequence
 
 import numpy as np
@@ -44,6 +46,11 @@ def _plain(value: Any) -> Any:
     return value
 
 
+def readable(text: str) -> str:
+    """U+FFFD for each byte of a path that is not UTF-8, as the command line has it: no output could take it as it is."""
+    return re.sub(r"[\ud800-\udfff]", "\ufffd", text)
+
+
 def plain(fit: Fit) -> dict[str, Any]:
     out = {}
     for name in _MEMBERS:
@@ -51,6 +58,8 @@ def plain(fit: Fit) -> dict[str, Any]:
         if value is None and name in _ONLY_BY_EXPONENT:
             continue
         out[name] = _plain(value)
+        if name == "file" and value is not None and readable(value) != value:
+            out.update(file=readable(value), file_bytes=os.fsencode(value).hex())
     if fit._merl_directions is not None:
         out["merl_directions"] = fit._merl_directions.tolist()
     return out
@@ -163,7 +172,7 @@ def skipped(fit: Fit) -> str:
 
 
 def title(fit: Fit) -> str:
-    name = "" if fit.file is None else "%s: " % fit.file
+    name = "" if fit.file is None else "%s: " % readable(fit.file)
     return "%s%s fit with %s, %s samples used" % (name, TITLES[fit.distribution], lobes_word(fit),
                                                   format(fit.samples_used, ","))
 

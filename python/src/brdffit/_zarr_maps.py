@@ -110,6 +110,33 @@ def _difference(then: Any, now: Any, name: str = "") -> str | None:
     return None if then == now else "%s was %s, and is %s" % (name, json.dumps(then), json.dumps(now))
 
 
+def _names(group: Any) -> set[str]:
+    """All that lies in the group's place, also what is not zarr's, but its own metadata."""
+    from zarr.core.sync import sync
+
+    async def found() -> list[str]:
+        return [name async for name in group.store.list_dir(group.path)]
+
+    return {name.strip("/") for name in sync(found())} - {"zarr.json"}
+
+
+def _foreign(group: Any) -> list[str]:
+    """Of these what is neither an array of maps nor a coordinate of theirs."""
+    ours = {field.stored for field in fields(1, 1)} | {"tiles"} | set(str(group.attrs.get("coordinates", "")).split())
+    if "specular" in group:  # which has all dimensions
+        ours |= set(group["specular"].metadata.dimension_names or ())
+    return sorted(_names(group) - ours)
+
+
+def _check_folder(output: Any) -> None:
+    """A folder with files and no group: not even a group is made in it."""
+    if not isinstance(output, (str, os.PathLike)) or not os.path.isdir(output or "."):
+        return
+    there = set(os.listdir(output or "."))
+    if there and not there & {"zarr.json", ".zgroup", ".zarray"}:
+        raise DataError("output %s holds something else than maps of brdffit" % (os.fspath(output) or "''"), code="argument")
+
+
 def _manifest_of(group: Any) -> Any:
     try:
         return json.loads(group.attrs["brdffit"])
@@ -136,6 +163,7 @@ class Layout:
 def open_maps(output: Any, layout: Layout, overwrite: bool, stack: Any) -> tuple[Any, bool]:
     """The group, made or found, and whether it was there. Nothing but maps of ours is ever replaced, least of all what
     holds the `stack` (a zarr array, or None)."""
+    _check_folder(output)
     group = _group(output, mode="a")
     if stack is not None and holds(group, stack):
         raise DataError("values lie inside output %s" % group.store_path, code="argument")
@@ -144,7 +172,7 @@ def open_maps(output: Any, layout: Layout, overwrite: bool, stack: Any) -> tuple
         raise DataError("output %s is a group of zarr format %s: maps need format 3" % (
             group.store_path, group.metadata.zarr_format), code="argument")
     then = _manifest_of(group)
-    if then is None and (len(group.attrs) > 0 or next(iter(group), None) is not None):
+    if then is None and (len(group.attrs) > 0 or _names(group)):
         raise DataError("output %s holds something else than maps of brdffit" % group.store_path, code="argument")
     if then is not None and not overwrite:
         found = _difference(then, manifest)
@@ -154,6 +182,9 @@ def open_maps(output: Any, layout: Layout, overwrite: bool, stack: Any) -> tuple
         raise DataError("output %s holds maps of another run: %s. Repeat its arguments to go on with it, or replace it "
                         "with overwrite=True" % (group.store_path, found), code="argument")
     if then is not None:
+        if _foreign(group):
+            raise DataError("output %s holds other things beside maps of brdffit, which overwrite would remove: %s" % (
+                group.store_path, ", ".join(_foreign(group)[:4])), code="argument")
         group = _group(output, mode="w")
     # First, so that what is interrupted here is found to be ours; a string, as other formats know no more.
     group.attrs["brdffit"] = json.dumps(manifest)

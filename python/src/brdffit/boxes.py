@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import Floats, freeze
+from ._arrays import Floats, Frozen, freeze
 from .fit import Fit, SamplesLike, run
 from .options import FitOptions, Options
 from .samples import Samples
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Boxes:
+class Boxes(Frozen):
     """Every box that a search bounded, in its order: those that a box was split into come after it.
 
     sigma_low, sigma_high: N x P sides (of two lobes, sigma ascending; equal sides stand for the half below the diagonal)

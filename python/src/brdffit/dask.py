@@ -287,7 +287,7 @@ def fit_map(values: Any, light: DirectionsLike, view: npt.ArrayLike | None = Non
     output: path, URL, zarr store or group. Maps are written there tile by tile, in zarr format 3, each tile a chunk of
         its own. Finished tiles are recorded: after Ctrl-C, a crash or a lost cluster the same call does those that are
         missing. Other arguments, or another stack (told by its shape, type and three texels), are refused
-    overwrite: replace maps of another run in `output`; nothing else is ever replaced
+    overwrite: replace maps of another run in `output`; where anything else lies there it is refused
     client: a distributed.Client; None: the active one, if there is one; False: none. Without one, `threads` threads of
         this process (default: as many as processors) do it
     retries: how often a client repeats a tile that failed. A worker that dies costs the tiles that it was at

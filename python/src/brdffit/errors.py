@@ -104,4 +104,4 @@ def from_struct(error: structs.Error, *, path: str | None = None, channels: Sequ
     value = error.value if error.value != 0 else None
     return _KINDS.get(code, BrdffitError)(
         error.message.decode("utf-8", "replace") if error.message else code, code=code, sample=sample, channel=channel,
-        line=line, column=_place(error.column), value=value, path=path, channel_name=name)
+        line=line, column=_place(error.column), value=value, path=None if code == "option" else path, channel_name=name)

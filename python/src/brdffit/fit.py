@@ -14,10 +14,10 @@ import numpy.typing as npt
 
 from . import _structs as structs
 from . import _words
-from ._arrays import Floats, address, floats, freeze, vectors
+from ._arrays import Floats, Frozen, address, floats, freeze, vectors
 from ._ffi import library
 from .errors import DataError, OptionError, from_struct
-from .options import BY_EXPONENT, Options
+from .options import BY_EXPONENT, Options, _number
 from .progress import Observer, ProgressArgument
 from .samples import Samples, choose
 
@@ -29,7 +29,7 @@ _ARRAY_FIELDS = ("sigma", "exponent", "x", "y", "channel_scale", "rms", "weight"
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Fit:
+class Fit(Frozen):
     """A fitted model and its certificate. Attribute names are those of `brdffit fit --json`.
 
     status: "certified", or "gap_open" when the search stopped before its gap closed (the fit and its bound are valid
@@ -136,6 +136,7 @@ class Fit:
     def _evaluate(self, at: structs.Samples, quantity: str | None) -> Floats:
         ffi = library()
         at.quantity = choose("quantity", self.quantity if quantity is None else quantity, structs.QUANTITY)
+        self._check_model()
         x, y = floats("x", self.x), floats("y", self.y)
         model = structs.Model(distribution=structs.DISTRIBUTION.index(self.distribution), lobes=self.lobes,
                               channels=len(x))
@@ -147,6 +148,18 @@ class Fit:
             raise from_struct(error, channels=self.channels)
         return out
 
+    def _check_model(self) -> None:
+        """C reads as much as lobes and channels say: of a fit that was made by hand or by others, is it there?"""
+        choose("distribution", self.distribution, structs.DISTRIBUTION)
+        channels, lobes = len(self.channels), self.lobes
+        if lobes not in (1, 2):
+            raise DataError("a fit has 1 or 2 lobes, not %r" % (lobes,), code="format")
+        for name, shape in (("sigma", (lobes,)), ("x", (channels,)), ("y", (channels, lobes))):
+            if np.shape(getattr(self, name)) != shape:
+                raise DataError("%s of a fit of %d lobe%s and %d channel%s must have shape %s, not %s" % (
+                    name, lobes, "" if lobes == 1 else "s", channels, "" if channels == 1 else "s", shape,
+                    np.shape(getattr(self, name))), code="format")
+
     # ---- Show
 
     def to_dict(self) -> dict[str, Any]:
@@ -154,7 +167,7 @@ class Fit:
         return _words.plain(self)
 
     def to_json(self) -> str:
-        """One line as of `brdffit fit --json`, 17 digits; `brdffit eval` takes it."""
+        """One line as of `brdffit fit --json`, with the fewest digits that read back the same; `brdffit eval` takes it."""
         return json.dumps(self.to_dict(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
     @classmethod
@@ -167,6 +180,8 @@ class Fit:
                             code="format")
         given = dict(line)
         given["_merl_directions"] = given.pop("merl_directions", None)
+        if "file_bytes" in given:
+            given["file"] = os.fsdecode(bytes.fromhex(given["file_bytes"]))
         given["warnings"] = tuple(tuple(words) for words in given.get("warnings", ()))
         names = {field.name for field in dataclasses.fields(cls)}
         members: dict[str, Any] = {name: given.get(name) for name in names}
@@ -180,7 +195,9 @@ class Fit:
         missing = sorted(n for n in ("sigma", "x", "y", "channels", "distribution") if members[n] is None)
         if missing:
             raise DataError("this fit has no %s" % ", ".join(missing), code="format")
-        return cls(**members)
+        fit = cls(**members)
+        fit._check_model()
+        return fit
 
     @classmethod
     def from_json(cls, text: str) -> Fit:
@@ -229,6 +246,10 @@ def run(samples: Samples, options: Options, verify: float | None, progress: Prog
         read: Mapping[str, float], box: Callable[[object, Any], None] | None = None) -> Fit:
     """The fit itself: one call of brdffit_fit_new, and its result in Python's own memory."""
     ffi = library()
+    if verify is not None:  # said before the search
+        verify = _number("verify", verify)
+        if not 0 <= verify < 1:
+            raise OptionError("verify must be a margin in [0, 1), not %r" % (verify,), code="option")
     c_options, c_samples = options._struct(), samples._struct()
     observer = Observer(progress)
     observer.attach(c_options)
@@ -251,8 +272,6 @@ def run(samples: Samples, options: Options, verify: float | None, progress: Prog
 
 
 def _verify(samples: Samples, options: Options, result: structs.Result, margin: float) -> dict[str, Any]:
-    if not 0 <= margin < 1:
-        raise OptionError("verify must be a margin in [0, 1), not %r" % (margin,), code="option")
     ffi = library()
     c_options = options.replace(engine="socp")._struct()
     c_samples = samples._struct()

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import concurrent.futures
+import os
 from typing import TYPE_CHECKING, Iterable
 
 from ._pool import count_of, processors
@@ -28,6 +29,8 @@ def fit_many(samples: Iterable[SamplesLike], *, threads: int | None = None, erro
         raise ValueError('errors must be "raise" or "return", not %r' % (errors,))
     asked = Options(**options)
     asked._struct()  # wrong options fail here, once
+    if isinstance(samples, (str, os.PathLike, Samples)):
+        raise TypeError("fit_many takes a list of samples or files, not one %s" % type(samples).__name__)
     items = list(samples)
 
     def one(item: SamplesLike) -> Fit | BrdffitError:

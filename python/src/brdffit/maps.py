@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import dask as scaled
 from . import _batch, _map_eval, _map_files, _map_words, _texelwise
 from . import _structs as structs
-from ._arrays import Floats, floats, freeze
+from ._arrays import Floats, Frozen, floats, freeze
 from ._geometry import DirectionsLike, Geometry, geometry
 from ._pool import MapProgressArgument, Pool, Teller, count_of, processors, tiles_of
 from ._sources import kind
@@ -31,7 +31,7 @@ STOP = (*structs.STOP, "none")
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class FitMap:
+class FitMap(Frozen):
     """Fitted models and certificates of many texels. S stands for the spatial shape of the values, K for channels, P for
     lobes. Texels that were not fitted have NaN in every floating-point array. Arrays cannot be written to.
 
@@ -141,7 +141,8 @@ class FitMap:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> FitMap:
         """Of a folder of .npy that `save` or `brdffit map` wrote, or an .npz that `save` wrote. What these do not keep
-        is NaN (channel_scale, sum_of_squares), -1 (where), 0 (boxes), "none" (stop), or the default (options)."""
+        is NaN (channel_scale, sum_of_squares), -1 (where), 0 (boxes), "none" (stop), or the default (options engine,
+        socp_every_box and isa)."""
         return cls(**_map_files.load(path))
 
     # ---- Show

@@ -4,6 +4,7 @@ from __future__ import annotations
 import dataclasses
 import gzip
 import os
+import zlib
 
 import numpy as np
 import numpy.typing as npt
@@ -33,13 +34,16 @@ class MerlTable:
         return "<MerlTable %s: %s cells>" % (self.file or "", " x ".join(map(str, self.values.shape[:3])))
 
     def lookup(self, light: npt.ArrayLike, view: npt.ArrayLike) -> Floats:
-        """f_r of the entry whose bin holds directions ... x 3 around +z: ... x 3; NaN below the horizon and where nothing
-        was measured."""
+        """f_r of the entry whose bin holds directions ... x 3 around +z: ... x 3; NaN below the horizon, where nothing was
+        measured, and for directions that are not finite or have no length."""
         l, v = np.broadcast_arrays(vectors("light", light), vectors("view", view))
-        l, v = (d / np.linalg.norm(d, axis=-1, keepdims=True) for d in (l, v))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            l, v = (d / np.linalg.norm(d, axis=-1, keepdims=True) for d in (l, v))
+        none = ~(np.isfinite(l) & np.isfinite(v)).all(-1) | (l[..., 2] <= 0) | (v[..., 2] <= 0)
+        l, v = (np.where(none[..., None], (0.0, 0.0, 1.0), d) for d in (l, v))
         i, j, k = _cells(self.values.shape[:3], l, v)
         out = self.values[i, j, k]
-        out[(l[..., 2] <= 0) | (v[..., 2] <= 0)] = np.nan
+        out[none] = np.nan
         return np.asarray(out)
 
     def samples(self, at: str | tuple[npt.ArrayLike, npt.ArrayLike] = "table") -> Samples:
@@ -125,7 +129,7 @@ def load_merl(path: Path, *, bins: str = "edge") -> MerlTable:
             raw = file.read()
         if raw[:2] == b"\x1f\x8b":
             raw = gzip.decompress(raw)
-    except (OSError, EOFError) as error:
+    except (OSError, EOFError, zlib.error) as error:
         raise FileError(str(error), code="open" if isinstance(error, FileNotFoundError) else "read",
                         path=name) from error
     dims = np.frombuffer(raw[:12], "<i4") if len(raw) >= 12 else np.zeros(3)

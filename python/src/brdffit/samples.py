@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _structs as structs
-from ._arrays import Floats, address, column, floats, freeze, from_address, vectors
+from ._arrays import Floats, Frozen, address, column, floats, freeze, from_address, vectors
 from ._ffi import library
+from ._words import readable
 from .errors import DataError, OptionError, from_struct
 
 Path = Union[str, "os.PathLike[str]"]
@@ -43,7 +44,7 @@ class _Table:
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Samples:
+class Samples(Frozen):
     """Measured reflectance: N samples of K channels. Make one with `from_file`, `from_arrays` or another `from_...`.
 
     values: N x K, f_r in 1/sr (quantity "brdf") or f_r (n.l) (quantity "radiance")
@@ -118,7 +119,7 @@ class Samples:
         return len(self.values)
 
     def __repr__(self) -> str:
-        source = "" if self.file is None else " from %s" % self.file
+        source = "" if self.file is None else " from %s" % readable(self.file)
         return "<Samples: %d x %d (%s), %s as %s%s>" % (
             len(self), len(self.channels), ", ".join(self.channels[:8]) + (", ..." if len(self.channels) > 8 else ""),
             self.quantity, self.form, source)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
 import numpy as np
 import numpy.typing as npt
 
-from .._arrays import Floats, freeze, vectors
+from .._arrays import Floats, column, freeze, vectors
 from .._pool import count_of
 from ..errors import BrdffitError, DataError, OptionError
 from ..samples import Path, Samples, choose
@@ -110,6 +110,7 @@ class Stack:
     normal: height x width x 3, or None for +z
     mask: height x width, true where a texel is to be fitted, or None for everywhere
     names: of the samples, or None
+    weights: samples, multiply squared residuals, or None
     """
 
     values: Values
@@ -122,6 +123,7 @@ class Stack:
     names: tuple[str, ...] | None = None
     file: str | None = None
     format: str | None = None
+    weights: Floats | None = None
 
     def __post_init__(self) -> None:
         count, height, width, channels = self.values.shape
@@ -140,24 +142,27 @@ class Stack:
         if self.mask is not None:
             if np.shape(self.mask) != (height, width):
                 raise self._wrong("the mask must have shape %s, not %s" % ((height, width), np.shape(self.mask)))
-            object.__setattr__(self, "mask", freeze(np.asarray(self.mask) != 0))
+            mask = np.asarray(self.mask)
+            object.__setattr__(self, "mask", freeze((mask > 0) | (mask < 0)))  # not where it is NaN, as of fit_map
+        if self.weights is not None:
+            object.__setattr__(self, "weights", freeze(column("weights", self.weights, count)))
 
     def _wrong(self, message: str) -> DataError:
         return DataError(message, code="argument", path=self.file)
 
     def __repr__(self) -> str:
-        return "<Stack: %d images of %d x %d (%s) from %s>" % (
-            self.values.shape[0], self.values.shape[2], self.values.shape[1], ", ".join(self.channels), self.file)
+        return "<Stack: %d images of %d x %d (%s), %s from %s>" % (
+            self.values.shape[0], self.values.shape[2], self.values.shape[1], ", ".join(self.channels), self.quantity, self.file)
 
     def texel(self, row: int, column: int) -> Samples:
         """One texel as samples to fit."""
         normal = None if self.normal is None else self.normal[row, column]
         return Samples.from_arrays(self.light, self.view, np.asarray(self.values[:, row, column]), normal=normal,
-                                   channels=self.channels, quantity=self.quantity)
+                                   channels=self.channels, quantity=self.quantity, weights=self.weights)
 
     def fit_map(self, *, rows: int | None = None, **options: Any) -> FitMap:
-        """Every texel fitted: `brdffit.fit_map` with this stack's values, directions, normal, mask and quantity. What is in
-        files is read a band of `rows` rows at a time, of which two are in memory (None: as many as 128 MB hold). options:
+        """Every texel fitted: `brdffit.fit_map` with this stack's values, directions, weights, normal, mask and quantity. What
+        is in files is read a band of `rows` rows at a time, of which two are in memory (None: as many as 128 MB hold). options:
         the others of fit_map, output and client among them."""
         from ..maps import fit_map
 
@@ -165,6 +170,7 @@ class Stack:
             rows = count_of("rows", rows, 1)
             if isinstance(self.values, LazyArray):
                 options["tile"] = (rows, self.values.shape[2])
+        options.setdefault("weights", self.weights)
         try:
             return fit_map(self.values, self.light, self.view, normal=self.normal, mask=self.mask, quantity=self.quantity,
                            **options)

@@ -252,6 +252,12 @@ class Store:
                        file=self.file, format=self.kind, dropped={"absent": int((~there).sum())},
                        **{name: array[there] for name, array in data.items()})
 
+    def _mask(self, pixels: tuple[int, int]) -> npt.NDArray[np.bool_] | None:
+        if not self._has("mask"):
+            return None
+        mask = self._array("mask", pixels)
+        return np.asarray((mask > 0) | (mask < 0))  # not where it is NaN
+
     def stack(self, light: npt.ArrayLike | None, view: npt.ArrayLike | None, channels: Sequence[str] | None,
               quantity: str | None) -> Stack:
         called, found = self._values()
@@ -277,7 +283,8 @@ class Store:
                      np.array([0.0, 0.0, 1.0]) if from_where is None else from_where, tuple(names[k] for k in chosen),
                      self._quantity(quantity, found[0], "radiance"),
                      normal=self._array("normal", (*pixels, 3)) if self._has("normal") else None,
-                     mask=self._array("mask", pixels) != 0 if self._has("mask") else None, file=self.file, format=self.kind)
+                     mask=self._mask(pixels), file=self.file, format=self.kind,
+                     weights=self._array("weights", (shape[0],)) if self._has("weights") else None)
 
 
 def _text(value: Any) -> str:

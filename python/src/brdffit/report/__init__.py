@@ -16,6 +16,7 @@ from urllib.parse import quote, unquote
 import numpy as np
 
 from .._version import __version__
+from .._words import readable
 from ..errors import BrdffitError, FileError
 from ..options import BY_EXPONENT, Options
 from ..progress import Bar
@@ -82,7 +83,7 @@ def _write(path: pathlib.Path, text: str) -> None:
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=".brdffit-")
     try:
         with open(handle, "w", encoding="utf-8") as file:
-            file.write(text)
+            file.write(readable(text))
         os.chmod(name, 0o666 & ~_umask())
         os.replace(name, path)
     except BaseException:
@@ -133,7 +134,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if bar is not None:
             bar.close()
     if (batch.rows or many) and not arguments.quiet:
-        print(batch.folder / ("index.html" if many else unquote(batch.rows[0].link)))
+        print(readable(str(batch.folder / ("index.html" if many else unquote(batch.rows[0].link)))))
     return batch.code
 
 
@@ -167,7 +168,7 @@ class _Batch:
             self.code = _worse(self.code, CERTIFIED if kept.certified else OPEN)
 
     def _fail(self, path: str, message: str, code: int) -> None:
-        print("brdffit report: %s" % message, file=sys.stderr)
+        print("brdffit report: %s" % readable(message), file=sys.stderr)
         self.failures.append(Failure(path, message.removeprefix(path + ": ")))
         self.code = _worse(self.code, code)
 
