@@ -284,3 +284,12 @@ def test_a_fit_has_every_member(options):
         if isinstance(ours, np.ndarray):
             assert np.array_equal(ours, theirs) and ours.shape == theirs.shape and not ours.flags.writeable, name
     assert dataclasses.replace(fit) is not fit and dataclasses.replace(fit).to_json() == fit.to_json()
+
+
+@pytest.mark.parametrize("wrong", ["bar", 3, [print]])
+def test_progress_is_no_other_thing(wrong):
+    samples = brdffit.Samples.example()
+    with pytest.raises(brdffit.OptionError, match="progress must be"):
+        brdffit.fit(samples, progress=wrong)
+    with pytest.raises(brdffit.OptionError, match="progress must be"):
+        brdffit.fit_map(samples.values[:, None], samples.light, samples.view, progress=wrong)

@@ -11,7 +11,7 @@ import time
 from typing import Callable, Optional, Protocol, Sequence, Union
 
 from .errors import OptionError
-from .progress import Bar
+from .progress import Bar, check_progress
 
 # Seconds between two looks at how far the threads are.
 _PERIOD = 0.1
@@ -59,6 +59,7 @@ class Teller:
     """Tells the listener, if there is one; whether it wants to stop."""
 
     def __init__(self, progress: MapProgressArgument, total: int) -> None:
+        check_progress(progress)
         self._call = progress if callable(progress) else None
         self._bar = Bar(total, "texel") if progress is True else None
         self._total, self._began = total, time.perf_counter()

@@ -8,6 +8,7 @@ import time
 from typing import Any, Callable, Optional, Union
 
 from . import _structs as structs
+from .errors import OptionError
 
 
 @dataclasses.dataclass(frozen=True)
@@ -65,6 +66,11 @@ def _gap(progress: Progress) -> str:
     return "E\u00b2 %.4g" % progress.e2
 
 
+def check_progress(progress: object) -> None:
+    if not (progress is None or isinstance(progress, bool) or callable(progress)):
+        raise OptionError("progress must be True, False, None or a function, not %r" % (progress,), code="option")
+
+
 class Observer:
     """Puts Python's callback into a brdffit_options for the time of a call.
 
@@ -73,6 +79,7 @@ class Observer:
     """
 
     def __init__(self, progress: ProgressArgument) -> None:
+        check_progress(progress)
         self._bar = Bar() if progress is True else None
         self._call: ProgressCallback | None = progress if callable(progress) else None
         self._error: BaseException | None = None
