@@ -1,4 +1,5 @@
 """fit_map() as a run: threads, progress, interrupts, tiles for schedulers, mapped files. SPDX-License-Identifier: MIT"""
+import dataclasses
 import pickle
 import signal
 import subprocess
@@ -77,18 +78,18 @@ def test_an_exception_in_the_listener_ends_the_run(hard_stack):
 
 
 def test_a_tile_for_schedulers(desk, whole, mask):
-    """The function that others call with a piece: everything that goes in travels, and pieces make the whole."""
+    """What a scheduler does with a piece: everything that goes in travels, and pieces make the whole."""
     stack, light, view = desk
     geometry = _geometry.geometry(light, view, None, None, None, 84, (9, 7)).shared
-    geometry, options = pickle.loads(pickle.dumps((geometry, brdffit.Options())))
-    parts = [_batch.fit_tile(stack[:, rows], geometry, options, mask=mask[rows]) for rows in (slice(0, 4), slice(4, 9))]
+    geometry, options = pickle.loads(pickle.dumps((geometry, dataclasses.asdict(brdffit.Options()))))
+    parts = [brdffit.fit_map(stack[:, rows], geometry, mask=mask[rows], **options) for rows in (slice(0, 4), slice(4, 9))]
     for name in ARRAYS:
-        assert np.array_equal(np.concatenate([part[name] for part, _ in parts]), getattr(whole, name), equal_nan=True)
-    assert sum(counts["certified"] for _, counts in parts) == whole.counts["certified"]
+        assert np.array_equal(np.concatenate([getattr(part, name) for part in parts]), getattr(whole, name), equal_nan=True)
+    assert sum(part.counts["certified"] for part in parts) == whole.counts["certified"]
     plans = [_batch.plan_for(geometry, 3, brdffit.Options(lobes=lobes)) for lobes in (1, 1, 2)]
     assert plans[0] is plans[1] is not plans[2]
     with pytest.raises(brdffit.DataError, match="samples"):
-        _batch.fit_tile(stack[:80], geometry, options)
+        brdffit.fit_map(stack[:80], geometry, **options)
 
 
 def test_mapped_files(desk, whole, mask, tmp_path):

@@ -1,7 +1,4 @@
-"""The C library's call for many texels of one geometry, on numpy arrays.
-
-`fit_tile` is the whole of it for a scheduler of one's own (threads, Dask, ...): arrays in, arrays out, everything that
-it is given can be pickled, and the plan is kept between calls.
+"""The C library's call for many texels of one geometry, on numpy arrays. Plans are kept between calls.
 
 SPDX-License-Identifier: MIT
 """
@@ -20,7 +17,7 @@ import numpy.typing as npt
 from . import _structs as structs
 from ._arrays import address, unmasked
 from ._ffi import library
-from ._stack import Block, Stack, Values
+from ._stack import Block, Stack
 from .errors import DataError, OptionError, from_struct
 from .options import Options
 from .samples import Samples
@@ -216,30 +213,6 @@ def positive(name: str, value: float) -> float:
     if not 0 < number < float("inf"):
         raise OptionError("%s must be finite and above 0, not %r" % (name, value), code="option")
     return number
-
-
-def check_geometry(stack: Stack, geometry: Samples) -> None:
-    if stack.samples != len(geometry):
-        raise DataError("values have %d samples, and the geometry has %d" % (stack.samples, len(geometry)),
-                        code="argument")
-
-
-def fit_tile(values: Values, geometry: Samples, options: Options, *, mask: npt.ArrayLike | None = None,
-             scale: float = 1.0, sample_axis: int = 0, channel_axis: int | None = -1) -> tuple[Arrays, dict[str, int]]:
-    """Fit the texels of one array in the calling thread: results by name, each spatial shape x its own, and counts.
-
-    geometry: the directions and weights that all texels share; its own values are not looked at. `brdffit._geometry`
-        makes one. Every argument can be pickled; the plan is made once a process. Results do not depend on which other
-        texels are in the array; counts `equal`, `boxes` and `nodes` do where neighbours are equal.
-    """
-    options = options._plain()
-    stack = Stack(values, sample_axis, channel_axis)
-    check_geometry(stack, geometry)
-    plan = plan_for(geometry, stack.channels, options)
-    results = allocate(stack.count, stack.channels, options.lobes)
-    worker = Worker(plan, stack, results, texel_mask(mask, stack.spatial), positive("scale", scale))
-    worker.fit(0, stack.count)
-    return shaped(results, stack.spatial), worker.counts()
 
 
 def shaped(results: Mapping[str, npt.NDArray[Any]], spatial: tuple[int, ...]) -> Arrays:

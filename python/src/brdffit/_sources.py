@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _tiles as tiles
-from ._stack import Stack
+from ._stack import Stack, axes_of
 from ._tile_job import StoredBlock
 from ._tiles import Region, TileArgument
 from .errors import DataError
@@ -37,10 +37,7 @@ class Source:
         self.dtype = np.dtype(values.dtype)
         if self.dtype.kind not in "fiub":
             raise DataError("values must be numbers, not %s" % self.dtype, code="value")
-        self.sample_axis = tiles.positive_axis("sample_axis", sample_axis, dims)
-        self.channel_axis = None if channel_axis is None else tiles.positive_axis("channel_axis", channel_axis, dims)
-        if self.sample_axis == self.channel_axis:
-            raise DataError("sample_axis and channel_axis are the same axis, %d" % self.sample_axis, code="argument")
+        self.sample_axis, self.channel_axis = axes_of(sample_axis, channel_axis, dims)
         self.axes = tuple(a for a in range(dims) if a not in (self.sample_axis, self.channel_axis))
         if not self.axes:
             raise DataError("values of shape %s have no spatial axis" % (values.shape,), code="argument")
@@ -86,15 +83,19 @@ class NumpySource(Source):
         return [self.values[self.index(region)] for region in regions]
 
 
-class ZarrSource(Source):
-    def __init__(self, values: Any, sample_axis: Any, channel_axis: Any) -> None:
-        super().__init__(values, sample_axis, channel_axis, values.chunks)
+class StoredSource(Source):
+    """Its values are read where a tile is fitted."""
 
     def blocks(self, tile: tuple[int, ...], regions: Sequence[Region]) -> list[Any]:
         return [StoredBlock(self.values, self.index(region)) for region in regions]
 
 
-class LazySource(Source):
+class ZarrSource(StoredSource):
+    def __init__(self, values: Any, sample_axis: Any, channel_axis: Any) -> None:
+        super().__init__(values, sample_axis, channel_axis, values.chunks)
+
+
+class LazySource(StoredSource):
     """What `load_stack` gives: samples x height x width x channels."""
 
     warns = False
@@ -104,9 +105,6 @@ class LazySource(Source):
         super().__init__(values, sample_axis, channel_axis, (1, min(values.rows_together, height), width, channels))
         if (self.sample_axis, self.channel_axis) != (0, 3):
             raise DataError("the stack in files has its samples on axis 0 and its channels on axis 3", code="argument")
-
-    def blocks(self, tile: tuple[int, ...], regions: Sequence[Region]) -> list[Any]:
-        return [StoredBlock(self.values, self.index(region)) for region in regions]
 
 
 class DaskSource(Source):

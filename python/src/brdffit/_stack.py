@@ -33,10 +33,19 @@ class Block(NamedTuple):
     texels: int
 
 
-def _axis(name: str, axis: int, dims: int) -> int:
+def _axis(name: str, axis: Any, dims: int) -> int:
     if not isinstance(axis, (int, np.integer)) or isinstance(axis, bool) or not -dims <= axis < dims:
         raise DataError("%s must be an axis of the %d-dimensional values, not %r" % (name, dims, axis), code="argument")
     return int(axis) % dims
+
+
+def axes_of(sample_axis: Any, channel_axis: Any, dims: int) -> tuple[int, int | None]:
+    """Both counted from 0; no channel axis: None."""
+    sample = _axis("sample_axis", sample_axis, dims)
+    channel = None if channel_axis is None else _axis("channel_axis", channel_axis, dims)
+    if sample == channel:
+        raise DataError("sample_axis and channel_axis are the same axis, %d" % sample, code="argument")
+    return sample, channel
 
 
 def _merged(shape: tuple[int, ...], strides: tuple[int, ...]) -> tuple[int, int]:
@@ -64,13 +73,9 @@ class Stack:
         if array.ndim < (1 if channel_axis is None else 2):
             raise DataError("values must have an axis of samples%s, not shape %s" % (
                 "" if channel_axis is None else " and one of channels", array.shape), code="argument")
-        sample = _axis("sample_axis", sample_axis, array.ndim)
-        if channel_axis is None:
+        sample, channel = axes_of(sample_axis, channel_axis, array.ndim)
+        if channel is None:
             array, channel = array[..., np.newaxis], array.ndim
-        else:
-            channel = _axis("channel_axis", channel_axis, array.ndim)
-        if sample == channel:
-            raise DataError("sample_axis and channel_axis are the same axis, %d" % sample, code="argument")
         self.array = np.moveaxis(array, (sample, channel), (0, -1))
         self.spatial: tuple[int, ...] = self.array.shape[1:-1]
         self.samples, self.channels = self.array.shape[0], self.array.shape[-1]

@@ -99,9 +99,3 @@ def part(array: npt.NDArray[Any] | None, before: int, region: Region) -> npt.NDA
     index = [slice(None)] * before + [slice(0, 1) if array.strides[before + i] == 0 and before > 0 else one
                                       for i, one in enumerate(region)]
     return np.ascontiguousarray(array[tuple(index)])
-
-
-def positive_axis(name: str, axis: Any, dims: int) -> int:
-    if not isinstance(axis, (int, np.integer)) or isinstance(axis, bool) or not -dims <= axis < dims:
-        raise DataError("%s must be an axis of the %d-dimensional values, not %r" % (name, dims, axis), code="argument")
-    return int(axis) % dims
