@@ -99,11 +99,13 @@ static double ashikhmin_factor(double c_min, double s)
     return ashikhmin_evaluate(s, c_min);
 }
 
+/* clang-format off */
 #define EXPONENTIAL(by_exponent, name)                                                                         \
     {                                                                                                          \
         1, by_exponent, exponential_variable, NULL, exponential_slope, name##_factor,             \
             exponential_tail, exponential_exponent, name##_evaluate                                           \
     }
+/* clang-format on */
 
 const struct family brdffit_family_exponential = EXPONENTIAL(0, exponential);
 static const struct family family_sparrow = EXPONENTIAL(0, sparrow);

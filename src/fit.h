@@ -36,7 +36,8 @@ struct fit {
     const struct family *family;
     brdffit_norm norm;
     double theta_low, theta_high; /* domain of the search; the tail counts as its end */
-    double theta_flat;            /* beyond theta_high nothing changes up to here: the end of the range, or of finite y */
+    double theta_flat;            /* beyond theta_high nothing changes up to here: the end of the range, or of finite
+                                     y */
     double theta_tail;            /* end of the options' range */
     double *x, *y, *rms;          /* K, K x P, K: the result's arrays */
     struct observer observer;
@@ -96,8 +97,8 @@ ENVIRONMENT_APART brdffit_status brdffit_fit_run(const brdffit_samples *samples,
                                                  void *workspace, size_t workspace_size, brdffit_result *result,
                                                  brdffit_error *error);
 ENVIRONMENT_APART brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_options *options,
-                                                      void *workspace, size_t workspace_size,
-                                                      brdffit_result *result, brdffit_error *error);
+                                                      void *workspace, size_t workspace_size, brdffit_result *result,
+                                                      brdffit_error *error);
 ENVIRONMENT_APART brdffit_status brdffit_reprove_run(const brdffit_samples *samples, const brdffit_options *options,
                                                      double level, void *workspace, size_t workspace_size,
                                                      brdffit_reproof *reproof, brdffit_error *error);

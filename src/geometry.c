@@ -15,8 +15,7 @@
 
 #define PI 3.14159265358979323846
 
-brdffit_status brdffit_fail_at(brdffit_error *error, const char *message, size_t sample, size_t channel,
-                               double value)
+brdffit_status brdffit_fail_at(brdffit_error *error, const char *message, size_t sample, size_t channel, double value)
 {
     if (error) {
         error->status = BRDFFIT_ERR_VALUE;
@@ -187,8 +186,7 @@ static brdffit_status angles_given(const brdffit_samples *s, size_t i, struct ge
     return BRDFFIT_OK;
 }
 
-static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, struct geometry *out,
-                                         brdffit_error *error)
+static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, struct geometry *out, brdffit_error *error)
 {
     out->a = s->a[i];
     out->b = s->b[i];
@@ -206,9 +204,8 @@ static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, str
     return BRDFFIT_OK;
 }
 
-brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribution distribution,
-                                     double min_cosine, size_t i, struct geometry *out,
-                                     brdffit_status *status, brdffit_error *error)
+brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribution distribution, double min_cosine,
+                                     size_t i, struct geometry *out, brdffit_status *status, brdffit_error *error)
 {
     struct geometry_angles angles;
 

@@ -84,8 +84,7 @@ static void lafortune(const struct geometry_angles *g, struct geometry *out)
     out->c = q < 1.0 ? -kernel_log1p(-q) : 0.0;
 }
 
-void brdffit_geometry_row(brdffit_distribution distribution, const struct geometry_angles *angles,
-                          struct geometry *out)
+void brdffit_geometry_row(brdffit_distribution distribution, const struct geometry_angles *angles, struct geometry *out)
 {
     static void (*const row[BRDFFIT_DISTRIBUTION_COUNT])(const struct geometry_angles *, struct geometry *) = {
         [BRDFFIT_BECKMANN] = cook_torrance,

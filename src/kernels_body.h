@@ -7,6 +7,6 @@
 #include "kernels_sums.h"
 
 const struct kernels KERNELS = {
-    exponential_shape, weigh,     central, functionals, pair,      gains_two, climb_two,
+    exponential_shape, weigh,     central, functionals, pair,     gains_two, climb_two,
     gains_one,         climb_one, dot,     magnitude,   subtract, scale,
 };

@@ -49,8 +49,7 @@ void brdffit_many_layout(struct many *many, struct arena *arena, const brdffit_o
                          size_t channels);
 
 /* Values of one texel, samples x K, from whatever type and strides they have. */
-void brdffit_many_gather(const brdffit_texels *texels, size_t texel, size_t samples, size_t channels,
-                         double *values);
+void brdffit_many_gather(const brdffit_texels *texels, size_t texel, size_t samples, size_t channels, double *values);
 
 /* Fit the texels of the rows in use. */
 void brdffit_many_tile(struct many *many);

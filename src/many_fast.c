@@ -158,9 +158,9 @@ static int fill_tables(struct many_fast *f, double theta_low, double theta_high,
     size_t w, m, node;
 
     for (node = 0; node <= f->windows; node++) {
-        double s = kernel_exp(node == f->windows ? theta_high
-                                                 : theta_low + (theta_high - theta_low) *
-                                                                   ((double)node / (double)f->windows));
+        double s = kernel_exp(node == f->windows
+                                  ? theta_high
+                                  : theta_low + (theta_high - theta_low) * ((double)node / (double)f->windows));
         double u, d = brdffit_many_d(f, s, &u);
 
         if (!(d > 1e-6 * (d + u * u))) {
@@ -226,14 +226,11 @@ const struct many_kernels *brdffit_many_kernels(brdffit_isa isa)
     isa = brdffit_isa_resolve(isa);
     switch (isa) {
 #ifdef BRDFFIT_HAVE_AVX2
-    case BRDFFIT_ISA_AVX2:
-        return &brdffit_many_kernels_avx2;
+    case BRDFFIT_ISA_AVX2: return &brdffit_many_kernels_avx2;
 #endif
 #ifdef BRDFFIT_HAVE_AVX512
-    case BRDFFIT_ISA_AVX512:
-        return &brdffit_many_kernels_avx512;
+    case BRDFFIT_ISA_AVX512: return &brdffit_many_kernels_avx512;
 #endif
-    default:
-        return &brdffit_many_kernels_base;
+    default: return &brdffit_many_kernels_base;
     }
 }

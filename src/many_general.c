@@ -32,8 +32,7 @@ static void keep(const brdffit_plan *plan, const brdffit_result *from, struct ma
     }
 }
 
-void brdffit_many_general(const brdffit_plan *plan, struct many *many, const double *values,
-                          struct many_result *result)
+void brdffit_many_general(const brdffit_plan *plan, struct many *many, const double *values, struct many_result *result)
 {
     brdffit_samples samples = plan->geometry;
     brdffit_result fitted;

@@ -88,7 +88,7 @@ static void enter_window(const struct many_fast *f, struct many_tile *tile, stru
 
 /* Gain beyond sum omega^2, its slope and curvature by t. */
 LANES_INLINE void gain_at(const struct many_fast *f, const struct many_tile *tile, const struct climb *c, size_t part,
-                    const vec *at, vec out[3])
+                          const vec *at, vec out[3])
 {
     vec t = *at, zero = vec_set(0.0);
     struct taylor d = taylor_rows(c->d + part, MANY_TERMS_D, t), u = taylor_rows(c->u + part, MANY_TERMS, t), h;
@@ -116,8 +116,8 @@ LANES_INLINE void gain_at(const struct many_fast *f, const struct many_tile *til
 }
 
 /* Newton steps of the texels whose flag in `active` is 1, each inside its window. */
-LANES_INLINE void climb_part(const struct many_fast *f, const struct many_tile *tile, struct climb *c, const double *active,
-                       size_t part)
+LANES_INLINE void climb_part(const struct many_fast *f, const struct many_tile *tile, struct climb *c,
+                             const double *active, size_t part)
 {
     vec t = vec_load(c->t + part), best = t, one = vec_set(1.0), zero = vec_set(0.0), most, value[3], slope;
     vec_mask moves = vec_load(active + part) > zero;
@@ -144,8 +144,8 @@ LANES_INLINE void climb_part(const struct many_fast *f, const struct many_tile *
 }
 
 /* Shapes at s into tile->phi, and D there: a sum of squares, so that nothing cancels. */
-LANES_INLINE void shapes_at(const struct many_fast *f, struct many_tile *tile, const double *at, size_t part, vec *u, vec *h,
-                      vec *d)
+LANES_INLINE void shapes_at(const struct many_fast *f, struct many_tile *tile, const double *at, size_t part, vec *u,
+                            vec *h, vec *d)
 {
     double inverse_a = f->root_a > 0.0 ? 1.0 / f->root_a : 0.0;
     vec s = vec_load(at + part);
@@ -172,7 +172,8 @@ LANES_INLINE void shapes_at(const struct many_fast *f, struct many_tile *tile, c
 }
 
 /* Squared residuals of channel k with coefficients x of a / |a| and y of b phi. */
-LANES_INLINE vec residual_at(const struct many_fast *f, const struct many_tile *tile, size_t k, size_t part, vec x, vec y)
+LANES_INLINE vec residual_at(const struct many_fast *f, const struct many_tile *tile, size_t k, size_t part, vec x,
+                             vec y)
 {
     double inverse_a = f->root_a > 0.0 ? 1.0 / f->root_a : 0.0;
     size_t K = f->channels, M = f->distinct, m, i;

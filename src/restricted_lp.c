@@ -45,8 +45,7 @@ void brdffit_restricted_lp_finish(struct restricted_lp *r)
 
 static double norm_of(const struct restricted_lp *r, const double *z)
 {
-    return r->norm == BRDFFIT_NORM_L1 ? brdffit_vertex_norm_l1(&r->vertex, z)
-                                      : brdffit_vertex_norm_linf(&r->vertex, z);
+    return r->norm == BRDFFIT_NORM_L1 ? brdffit_vertex_norm_l1(&r->vertex, z) : brdffit_vertex_norm_linf(&r->vertex, z);
 }
 
 /* Columns of the factorisation at unit norm. */

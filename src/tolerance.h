@@ -60,8 +60,9 @@
 #define TOL_MOMENT_BASE 100.0
 /*
  * What rows made of sums (sums_reduce.c) may be off, in units of u relative to (|a x| + |b Y| + |I|)^2: sums within 80
- * (strip.h, sums.h), their factors within 8, Cholesky within 16, and its shift of 160 at most. The
- * optimum has no negative terms, so that each norm is at most |I|: its objective is off by at most 9 such units of the data's sum of squares.
+ * (strip.h, sums.h), their factors within 8, Cholesky within 16, and its shift of 160 at most. The optimum has no
+ * negative terms, so that each norm is at most |I|: its objective is off by at most 9 such units of the data's sum of
+ * squares.
  */
 #define TOL_GRAM 320.0
 /* Sums keep products of weights and coefficients without scaling them: each non-zero b and w within this of 1, and a
