@@ -260,9 +260,10 @@ typedef int (*brdffit_progress_fn)(void *user, const brdffit_progress *progress)
 typedef struct brdffit_box {
     double sigma_low[BRDFFIT_MAX_LOBES]; /* sides; 1/sqrt(n) where the parameter is the exponent n */
     double sigma_high[BRDFFIT_MAX_LOBES];
-    double lower_bound; /* proven: no model with its roughness in the box has a smaller E^2 (units of result.e2). Once
-                           this closes the box, it is made no tighter */
-    int level;          /* times that its sides were halved (in ln sigma) since the first partition, sum over lobes */
+    double lower_bound; /* proven: no model with its roughness in the box has a smaller E^2 (units of result.e2).
+                           Once this closes the box, it is made no tighter */
+    int level;          /* times that its sides were halved (in ln sigma) since the first partition, sum over
+                           lobes */
 } brdffit_box;
 
 /*
@@ -309,7 +310,8 @@ typedef enum brdffit_stop {
     BRDFFIT_STOP_RELATIVE_GAP = 0, /* proven to relative_gap */
     BRDFFIT_STOP_ABSOLUTE_GAP,     /* proven to absolute_gap: E^2 is at rounding level */
     BRDFFIT_STOP_RESOLUTION,       /* every box left is narrower than sigma_resolution */
-    BRDFFIT_STOP_ROUNDING,         /* boxes cannot be split further in floating point, or bins of sums are too coarse */
+    BRDFFIT_STOP_ROUNDING,         /* boxes cannot be split further in floating point, or bins of sums are too
+                                      coarse */
     BRDFFIT_STOP_BUDGET,           /* box_budget is used up */
     BRDFFIT_STOP_MEMORY,           /* the workspace's node table is full */
     BRDFFIT_STOP_CANCELLED,        /* the progress callback said so */
@@ -367,23 +369,27 @@ typedef struct brdffit_result {
     double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
     double gap;                  /* e2 - lower_bound, >= 0 */
     double sum_of_squares;       /* E^2 of the zero model */
-    double sigma_floor;          /* the bound holds for sigma in [sigma_floor, sigma_max]: sigma_min, unless no sample
-                                    is near the mirror direction; then narrower lobes have coefficients y beyond
-                                    any double (c_min / sigma^2 above about 690) and are outside of the model; INFINITY
-                                    when that leaves no lobe at all */
-    double sigma_tail;           /* roughness below which the data see no change, so that nothing is searched there (engine
-                                    moment and socp, and the norms alike); sigma_min when there is no such tail */
-    double kkt_residual;         /* of the coefficients given sigma, relative to the data's norm; L1 and LINF: largest
-                                    duality gap of a channel's linear program, proven, relative to its zero model */
+    double sigma_floor;          /* the bound holds for sigma in [sigma_floor, sigma_max]: sigma_min, unless no
+                                    sample is near the mirror direction; then narrower lobes have coefficients y
+                                    beyond any double (c_min / sigma^2 above about 690) and are outside of the model;
+                                    INFINITY when that leaves no lobe at all */
+    double sigma_tail;           /* roughness below which the data see no change, so that nothing is searched there
+                                    (engine moment and socp, and the norms alike); sigma_min when there is no such
+                                    tail */
+    double kkt_residual;         /* of the coefficients given sigma, relative to the data's norm; L1 and LINF:
+                                    largest duality gap of a channel's linear program, proven, relative to its zero
+                                    model */
     brdffit_stop stop;
     int certified;               /* 1 when stop is a gap; 0: incumbent and bound are valid, gap is open */
     size_t boxes;                /* bounded by the search */
-    size_t nodes;                /* one-dimensional evaluations; engine socp, norms L1 and LINF: restricted problems */
+    size_t nodes;                /* one-dimensional evaluations; engine socp, norms L1 and LINF: restricted
+                                    problems */
     size_t socp_solved;          /* cone programs (L1 and LINF: linear programs) solved by ECOS */
     size_t socp_refused;         /* of these, without a certificate that holds: the box was kept */
     size_t socp_decided;         /* boxes that needed no cone program */
     size_t distinct_c;           /* samples were merged into this many distinct c */
-    size_t channels_zero;        /* channels without signal, and channels whose data equal another's: bounds (L2, engine */
+    size_t channels_zero;        /* channels without signal, and channels whose data equal another's: bounds (L2,
+                                    engine */
     size_t channels_identical;   /* moment) did without them */
     size_t samples_used;
     size_t samples_skipped[BRDFFIT_SKIP_COUNT];
@@ -395,8 +401,7 @@ typedef struct brdffit_result {
  * Grows linearly with count and with min(box_budget, its internal caps);
  * pages that a fit does not need are never touched.
  */
-BRDFFIT_API size_t brdffit_workspace_size(size_t count, size_t channels,
-                                          const brdffit_options *options);
+BRDFFIT_API size_t brdffit_workspace_size(size_t count, size_t channels, const brdffit_options *options);
 
 /*
  * Fit. `options` may be NULL (defaults), `error` may be NULL. `workspace` may
@@ -404,9 +409,8 @@ BRDFFIT_API size_t brdffit_workspace_size(size_t count, size_t channels,
  * *result untouched. An early stop of the search is not a failure: see
  * result->stop. Same input, same bits, on every platform.
  */
-BRDFFIT_API brdffit_status brdffit_fit(const brdffit_samples *samples, const brdffit_options *options,
-                                       void *workspace, size_t workspace_size,
-                                       brdffit_result *result, brdffit_error *error);
+BRDFFIT_API brdffit_status brdffit_fit(const brdffit_samples *samples, const brdffit_options *options, void *workspace,
+                                       size_t workspace_size, brdffit_result *result, brdffit_error *error);
 
 /* ---- Sums: samples that are not kept ------------------------------------ */
 
@@ -429,8 +433,7 @@ BRDFFIT_API size_t brdffit_sums_size(size_t channels, size_t groups);
  * NULL. *sums points into the memory, which must not move, and needs no release.
  */
 BRDFFIT_API brdffit_status brdffit_sums_init(void *memory, size_t size, size_t channels, size_t groups,
-                                             const brdffit_options *options, brdffit_sums **sums,
-                                             brdffit_error *error);
+                                             const brdffit_options *options, brdffit_sums **sums, brdffit_error *error);
 
 /*
  * From here on, put samples into bins of c instead of one group per distinct c: for millions of distinct c. To be
@@ -451,8 +454,7 @@ BRDFFIT_API brdffit_status brdffit_sums_bins(brdffit_sums *sums, int bits, brdff
  * Add samples of any form and quantity, checked and skipped as by brdffit_fit(). When one is at fault, error->sample is
  * its index in `samples`, and those before it have been added. BRDFFIT_ERR_WORKSPACE: more distinct c than groups.
  */
-BRDFFIT_API brdffit_status brdffit_sums_add(brdffit_sums *sums, const brdffit_samples *samples,
-                                            brdffit_error *error);
+BRDFFIT_API brdffit_status brdffit_sums_add(brdffit_sums *sums, const brdffit_samples *samples, brdffit_error *error);
 
 /*
  * The cells of a table in half/difference angles that share theta_h: f_r at differences x azimuths cells, cell (d, p)
@@ -508,9 +510,8 @@ BRDFFIT_API size_t brdffit_sums_workspace_size(const brdffit_sums *sums, const b
  * ranges and gaps. e2 is known to within result->e2_error, a few 1e-13 of sum_of_squares: when that is too much, the
  * model fits to rounding, and only brdffit_fit() can tell how well.
  */
-BRDFFIT_API brdffit_status brdffit_fit_sums(const brdffit_sums *sums, const brdffit_options *options,
-                                            void *workspace, size_t workspace_size, brdffit_result *result,
-                                            brdffit_error *error);
+BRDFFIT_API brdffit_status brdffit_fit_sums(const brdffit_sums *sums, const brdffit_options *options, void *workspace,
+                                            size_t workspace_size, brdffit_result *result, brdffit_error *error);
 
 /* ---- Proof again --------------------------------------------------------- */
 
@@ -524,7 +525,8 @@ typedef struct brdffit_reproof {
     size_t solved;     /* cone programs solved by ECOS */
     size_t refused;    /* of these, without a certificate that holds: the box was split instead */
     size_t decided;    /* boxes that needed no cone program */
-    double unproven;   /* share of the domain (by ln s, each pair of lobes once) that is not discarded; 0 if proven */
+    double unproven;   /* share of the domain (by ln s, each pair of lobes once) that is not discarded; 0 if
+                          proven */
 } brdffit_reproof;
 
 /*
@@ -551,9 +553,8 @@ BRDFFIT_API brdffit_status brdffit_verify_socp(const brdffit_samples *samples, c
  * `used` and `skipped` may be NULL. Having no samples left is BRDFFIT_ERR_NO_SAMPLES here too, with the counts
  * filled in.
  */
-BRDFFIT_API brdffit_status brdffit_inspect(const brdffit_samples *samples, const brdffit_options *options,
-                                           size_t *used, size_t skipped[BRDFFIT_SKIP_COUNT],
-                                           brdffit_error *error);
+BRDFFIT_API brdffit_status brdffit_inspect(const brdffit_samples *samples, const brdffit_options *options, size_t *used,
+                                           size_t skipped[BRDFFIT_SKIP_COUNT], brdffit_error *error);
 
 /*
  * Convenience with malloc: *result is allocated together with its workspace
@@ -572,8 +573,8 @@ BRDFFIT_API void brdffit_fit_free(brdffit_result *result);
  * nothing useful in out. COEFFICIENTS are those of the model's distribution;
  * GGX and Beckmann share theirs.
  */
-BRDFFIT_API brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *at,
-                                        double *out, brdffit_error *error);
+BRDFFIT_API brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *at, double *out,
+                                        brdffit_error *error);
 
 /* ---- Many fits of one geometry: whole maps ------------------------------ */
 
@@ -682,7 +683,8 @@ typedef struct brdffit_many_stats {
     size_t equal_channels;   /* channels that repeat an earlier one of their texel, bit for bit */
     size_t boxes;            /* bounded */
     size_t nodes;            /* evaluations of the restricted problem, or of its sums, at one roughness */
-    size_t one_lobe_enough;  /* two lobes fitted, and the best single lobe is within the gap of their bound already */
+    size_t one_lobe_enough;  /* two lobes fitted, and the best single lobe is within the gap of their bound
+                                already */
 } brdffit_many_stats;
 
 BRDFFIT_API void brdffit_many_stats_init(brdffit_many_stats *stats);
@@ -700,8 +702,7 @@ BRDFFIT_API void brdffit_many_stats_init(brdffit_many_stats *stats);
  */
 BRDFFIT_API brdffit_status brdffit_fit_many(const brdffit_plan *plan, const brdffit_texels *texels,
                                             const brdffit_texel_results *results, void *workspace,
-                                            size_t workspace_size, brdffit_many_stats *stats,
-                                            brdffit_error *error);
+                                            size_t workspace_size, brdffit_many_stats *stats, brdffit_error *error);
 
 #ifdef __cplusplus
 }

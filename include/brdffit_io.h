@@ -96,12 +96,11 @@ typedef struct brdffit_table {
  * any channel mask the cell. NaN and infinities are errors. The size of the
  * file must be exactly what its header says.
  */
-BRDFFIT_API brdffit_status brdffit_io_read(const char *path, const brdffit_io_options *options,
-                                           brdffit_table **table, brdffit_error *error);
+BRDFFIT_API brdffit_status brdffit_io_read(const char *path, const brdffit_io_options *options, brdffit_table **table,
+                                           brdffit_error *error);
 
 /* The same from memory. Data may be gzip. Both give the same bits in every floating-point environment of the caller. */
-BRDFFIT_API brdffit_status brdffit_io_read_memory(const void *data, size_t size,
-                                                  const brdffit_io_options *options,
+BRDFFIT_API brdffit_status brdffit_io_read_memory(const void *data, size_t size, const brdffit_io_options *options,
                                                   brdffit_table **table, brdffit_error *error);
 
 /*
@@ -118,8 +117,7 @@ BRDFFIT_API brdffit_status brdffit_io_read_sums(const char *path, const brdffit_
                                                 brdffit_error *error);
 
 /* The same from memory, which must stay as it is while table->sums is there. Data may be gzip. */
-BRDFFIT_API brdffit_status brdffit_io_read_sums_memory(const void *data, size_t size,
-                                                       const brdffit_io_options *options,
+BRDFFIT_API brdffit_status brdffit_io_read_sums_memory(const void *data, size_t size, const brdffit_io_options *options,
                                                        const brdffit_options *fit, brdffit_table **table,
                                                        brdffit_error *error);
 
@@ -166,8 +164,8 @@ typedef struct brdffit_array {
  * these containers, a damaged or lying header, an encrypted member, an unknown compression, a file that is
  * shorter or longer than its header says, no elements, or a type that is not a plain number.
  */
-BRDFFIT_API brdffit_status brdffit_io_array_open(const char *path, const char *member,
-                                                 brdffit_array **array, brdffit_error *error);
+BRDFFIT_API brdffit_status brdffit_io_array_open(const char *path, const char *member, brdffit_array **array,
+                                                 brdffit_error *error);
 
 /* The same from memory, which must outlive the array. */
 BRDFFIT_API brdffit_status brdffit_io_array_open_memory(const void *data, size_t size, const char *member,

@@ -47,7 +47,8 @@ void brdffit_test_batch_results(struct brdffit_test_batch *b)
     b->results.boxes = b->boxes = b->where + n;
 }
 
-void brdffit_test_batch_new(struct brdffit_test_batch *b, struct brdffit_test_spec spec, size_t count, int lobes, uint64_t seed)
+void brdffit_test_batch_new(struct brdffit_test_batch *b, struct brdffit_test_spec spec, size_t count, int lobes,
+                            uint64_t seed)
 {
     struct brdffit_test_random random = {seed};
     size_t t, length;

@@ -22,7 +22,8 @@ struct brdffit_test_batch {
 };
 
 /* `count` texels over the geometry of spec; options are the defaults, with these lobes. */
-void brdffit_test_batch_new(struct brdffit_test_batch *b, struct brdffit_test_spec spec, size_t count, int lobes, uint64_t seed);
+void brdffit_test_batch_new(struct brdffit_test_batch *b, struct brdffit_test_spec spec, size_t count, int lobes,
+                            uint64_t seed);
 void brdffit_test_batch_free(struct brdffit_test_batch *b);
 
 /* Arrays for all results of b->count texels; brdffit_test_batch_new() does it. */

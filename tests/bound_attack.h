@@ -12,8 +12,7 @@
 #include "fit/fit.h"
 
 /* Min over z >= 0 of the objective at theta, in long double: supports enumerated on normalised columns. */
-static inline long double attack_objective(const struct bound_case *c, const struct reduced *data,
-                                           const double *theta)
+static inline long double attack_objective(const struct bound_case *c, const struct reduced *data, const double *theta)
 {
     long double column[3][CASE_SAMPLES], sum = 0.0L;
     int lobes = c->lobes, n = (int)c->count, i, j, k, p;

@@ -26,7 +26,7 @@ static inline long double dot(const long double *u, const long double *v)
 
 /* What y multiplies, as radiance under normal +z; parameter: sigma, or the exponent. */
 static inline long double textbook(brdffit_distribution distribution, const double *light, const double *view,
-                            long double parameter)
+                                   long double parameter)
 {
     long double l[3], v[3], h[3], r[3], length[3], alpha, g, tangent, nh, vh;
     int j;
@@ -57,16 +57,13 @@ static inline long double textbook(brdffit_distribution distribution, const doub
         return g / (PI * v[2] * powl(nh, 4.0L)) * expl(-powl(tangent / parameter, 2.0L)) / (parameter * parameter);
     case BRDFFIT_GGX:
         return g / (PI * v[2] * powl(nh, 4.0L)) / powl(parameter * (1.0L + powl(tangent / parameter, 2.0L)), 2.0L);
-    case BRDFFIT_TORRANCE_SPARROW:
-        return g / (PI * v[2]) * expl(-powl(alpha / parameter, 2.0L));
+    case BRDFFIT_TORRANCE_SPARROW: return g / (PI * v[2]) * expl(-powl(alpha / parameter, 2.0L));
     case BRDFFIT_WARD:
         return l[2] / sqrtl(l[2] * v[2]) * expl(-powl(tangent / parameter, 2.0L)) / (4.0L * PI * parameter * parameter);
-    case BRDFFIT_BLINN_PHONG:
-        return l[2] * (parameter + 2.0L) / (2.0L * PI) * powl(nh, parameter);
+    case BRDFFIT_BLINN_PHONG: return l[2] * (parameter + 2.0L) / (2.0L * PI) * powl(nh, parameter);
     case BRDFFIT_ASHIKHMIN_SHIRLEY:
         return l[2] * (parameter + 1.0L) / (8.0L * PI) * powl(nh, parameter) / (vh * fmaxl(l[2], v[2]));
-    default:
-        return l[2] * (parameter + 2.0L) / (2.0L * PI) * powl(fmaxl(dot(r, v), 0.0L), parameter);
+    default: return l[2] * (parameter + 2.0L) / (2.0L * PI) * powl(fmaxl(dot(r, v), 0.0L), parameter);
     }
 }
 

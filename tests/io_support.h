@@ -65,8 +65,7 @@ static inline void io_assert_failed(brdffit_status status, const brdffit_table *
     assert_null(table);
     assert_non_null(error->message);
     if (status != expected || !strstr(error->message, part_of_message)) {
-        print_error("got %d '%s', expected %d '%s'\n", (int)status, error->message, (int)expected,
-                    part_of_message);
+        print_error("got %d '%s', expected %d '%s'\n", (int)status, error->message, (int)expected, part_of_message);
         fail();
     }
     assert_int_equal(error->status, status);

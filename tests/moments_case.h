@@ -39,16 +39,11 @@ struct moments_case {
 static inline double mc_tan2(struct brdffit_test_random *random, int kind, size_t i)
 {
     switch (kind) {
-    case 0:
-        return i % 4 ? brdffit_test_uniform(random, 0.0, 1.5) : 0.0;
-    case 1:
-        return brdffit_test_log_uniform(random, 1e-12, 1e12);
-    case 2:
-        return 0.7 + brdffit_test_uniform(random, 0.0, 1e-9);
-    case 3:
-        return pow(tan(0.04 * (double)(i / 3)), 2.0);
-    default:
-        return brdffit_test_log_uniform(random, 1e-25, 1e-20) + (i % 5 ? 0.0 : 0.1);
+    case 0: return i % 4 ? brdffit_test_uniform(random, 0.0, 1.5) : 0.0;
+    case 1: return brdffit_test_log_uniform(random, 1e-12, 1e12);
+    case 2: return 0.7 + brdffit_test_uniform(random, 0.0, 1e-9);
+    case 3: return pow(tan(0.04 * (double)(i / 3)), 2.0);
+    default: return brdffit_test_log_uniform(random, 1e-25, 1e-20) + (i % 5 ? 0.0 : 0.1);
     }
 }
 

@@ -76,8 +76,8 @@ static inline void nnls_case_make(struct nnls_case *c, uint64_t seed, int wide)
     if (kind == 1 || kind == 2) {
         c->kind = "collinear";
         for (j = 1; j < 3; j++) {
-            case_near(c->column[(int)(case_next(&s) % (unsigned)j)], c->column[j], c->rows,
-                      nearness[case_next(&s) % 7], &s);
+            case_near(c->column[(int)(case_next(&s) % (unsigned)j)], c->column[j], c->rows, nearness[case_next(&s) % 7],
+                      &s);
         }
     } else if (kind == 3) {
         c->kind = "one ulp";

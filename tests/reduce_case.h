@@ -197,7 +197,8 @@ static inline void check_rows(const struct problem *p, const struct reduced *r, 
         for (i = 0; i < r->rows; i++) {
             assert_true(r->row_c[i] < r->distinct);
             got += powl((long double)r->row_a[i] * x + (long double)r->row_b[i] * y[r->row_c[i]] -
-                            r->row_value[k * r->used + i], 2.0L);
+                            r->row_value[k * r->used + i],
+                        2.0L);
         }
         within("residual norm", (double)sqrtl(got), sqrtl(exact), 1e-13L * sqrtl(scale));
     }

@@ -92,9 +92,7 @@ static void directions(const struct brdffit_test_spec *spec, size_t i, struct br
         direction(brdffit_test_uniform(random, 0.0, 80.0), brdffit_test_uniform(random, 0.0, 360.0), light);
         direction(brdffit_test_uniform(random, 0.0, 80.0), brdffit_test_uniform(random, 0.0, 360.0), view);
         return;
-    case BRDFFIT_TEST_GRID:
-        direction(10.0 * (double)(j / 3 % 7), 90.0 * (double)(j % 3), light);
-        break;
+    case BRDFFIT_TEST_GRID: direction(10.0 * (double)(j / 3 % 7), 90.0 * (double)(j % 3), light); break;
     case BRDFFIT_TEST_IN_PLANE:
         direction(per_view > 1 ? 60.0 * (double)j / (double)(per_view - 1) : 0.0, 180.0, light);
         break;

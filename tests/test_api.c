@@ -266,11 +266,8 @@ static void test_progress(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_version),
-        cmocka_unit_test(test_names),
-        cmocka_unit_test(test_eval_formula),
-        cmocka_unit_test(test_fit_new_is_fit),
-        cmocka_unit_test(test_progress),
+        cmocka_unit_test(test_version),        cmocka_unit_test(test_names),    cmocka_unit_test(test_eval_formula),
+        cmocka_unit_test(test_fit_new_is_fit), cmocka_unit_test(test_progress),
     };
 
     return cmocka_run_group_tests_name("api", tests, NULL, NULL);

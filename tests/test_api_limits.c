@@ -36,8 +36,8 @@ static void test_eval_of_extremes(void **state)
 
                 at.tan2_half = tan2 + j;
                 if (brdffit_eval(&model, &at, &out, NULL) == BRDFFIT_OK && isnan(out)) {
-                    fail_msg("%s: sigma %g, tan2_half %g: NaN",
-                             brdffit_distribution_string((brdffit_distribution)d), sigma[i], tan2[j]);
+                    fail_msg("%s: sigma %g, tan2_half %g: NaN", brdffit_distribution_string((brdffit_distribution)d),
+                             sigma[i], tan2[j]);
                 }
             }
         }
@@ -55,9 +55,9 @@ static void check_numbers(const brdffit_samples *samples, const brdffit_options 
         assert_int_equal(status, BRDFFIT_ERR_VALUE);
         return;
     }
-    if (!(isfinite(result->e2) && isfinite(result->lower_bound) && result->gap >= 0.0 &&
-          isfinite(result->model.x[0]) && isfinite(result->model.y[0]) && isfinite(result->rms[0]) &&
-          isfinite(result->rms_total) && result->kkt_residual >= 0.0 && isfinite(result->sum_of_squares))) {
+    if (!(isfinite(result->e2) && isfinite(result->lower_bound) && result->gap >= 0.0 && isfinite(result->model.x[0]) &&
+          isfinite(result->model.y[0]) && isfinite(result->rms[0]) && isfinite(result->rms_total) &&
+          result->kkt_residual >= 0.0 && isfinite(result->sum_of_squares))) {
         brdffit_test_print(samples, options);
         fail_msg("e2 %g bound %g gap %g x %g y %g rms %g total %g", result->e2, result->lower_bound, result->gap,
                  result->model.x[0], result->model.y[0], result->rms[0], result->rms_total);
@@ -202,10 +202,8 @@ static void test_inspect_of_bad_input(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_eval_of_extremes),
-        cmocka_unit_test(test_fit_of_extremes),
-        cmocka_unit_test(test_fit_of_grazing_angles),
-        cmocka_unit_test(test_inspect),
+        cmocka_unit_test(test_eval_of_extremes),      cmocka_unit_test(test_fit_of_extremes),
+        cmocka_unit_test(test_fit_of_grazing_angles), cmocka_unit_test(test_inspect),
         cmocka_unit_test(test_inspect_of_bad_input),
     };
 

@@ -85,8 +85,8 @@ static long attack(const struct bound_case *c, struct fit *f, double range[2][2]
         if (!(value >= (long double)box.bound)) {
             bound_case_print(c, stderr);
             fail_msg("lobes %d box [%a, %a] x [%a, %a]: bound %.17g above objective %.17Lg at %a, %a (total %g)",
-                     c->lobes, range[0][0], range[0][1], range[1][0], range[1][1], box.bound, value, theta[0],
-                     theta[1], f->data.total);
+                     c->lobes, range[0][0], range[0][1], range[1][0], range[1][1], box.bound, value, theta[0], theta[1],
+                     f->data.total);
         }
     }
     return POINTS_PER_BOX;

@@ -67,8 +67,8 @@ static void steepen(struct attacked *a, uint64_t *s)
         c->b[i] *= exp(sharp * c->c[i]);
         a->told[i] = c->c[i] * (1.0 + 0.9 * SNAP * case_signed(s));
         for (k = 0; k < c->channels; k++) {
-            c->values[i * c->channels + k] =
-                (double)(c->a[i] * 0.3L + c->b[i] * (1.0L + (long double)k) * expl(-(long double)c->c[i] * sharp));
+            c->values[i * c->channels + k] = (double)(c->a[i] * 0.3L + c->b[i] * (1.0L + (long double)k) *
+                                                                           expl(-(long double)c->c[i] * sharp));
         }
     }
 }
@@ -212,8 +212,8 @@ static void attack(struct attacked *a, double range[2][2], uint64_t *s, struct t
         if (!(value >= (long double)bound)) {
             bound_case_print(&a->c, stderr);
             fail_msg("lobes %d box [%a, %a] x [%a, %a]: bound %.17g above objective %.17Lg at %a, %a (total %g)",
-                     a->c.lobes, range[0][0], range[0][1], range[1][0], range[1][1], bound, value, theta[0],
-                     theta[1], a->fit.data.total);
+                     a->c.lobes, range[0][0], range[0][1], range[1][0], range[1][1], bound, value, theta[0], theta[1],
+                     a->fit.data.total);
         }
     }
     tally->boxes++;

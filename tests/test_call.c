@@ -20,11 +20,11 @@ static void test_missing_arrays(void **state)
     struct problem p;
 
     (void)state;
-#define REFUSE_WITHOUT(form, member)                                                     \
-    do {                                                                                 \
-        problem_init(&p, form);                                                          \
-        p.samples.member = NULL;                                                         \
-        (void)brdffit_test_fit_fails(&p.samples, NULL, BRDFFIT_ERR_ARGUMENT);            \
+#define REFUSE_WITHOUT(form, member)                                                                                   \
+    do {                                                                                                               \
+        problem_init(&p, form);                                                                                        \
+        p.samples.member = NULL;                                                                                       \
+        (void)brdffit_test_fit_fails(&p.samples, NULL, BRDFFIT_ERR_ARGUMENT);                                          \
     } while (0)
     REFUSE_WITHOUT(BRDFFIT_FORM_DIRECTIONS, light);
     REFUSE_WITHOUT(BRDFFIT_FORM_DIRECTIONS, view);
@@ -100,12 +100,12 @@ static void test_bad_options(void **state)
 
     (void)state;
     problem_init(&p, BRDFFIT_FORM_DIRECTIONS);
-#define REFUSE_OPTION(member, bad)                                                       \
-    do {                                                                                 \
-        brdffit_options_init(&o);                                                        \
-        o.member = bad;                                                                  \
-        assert_int_equal(brdffit_workspace_size(COUNT, CHANNELS, &o), 0);                \
-        (void)brdffit_test_fit_fails(&p.samples, &o, BRDFFIT_ERR_OPTION);                \
+#define REFUSE_OPTION(member, bad)                                                                                     \
+    do {                                                                                                               \
+        brdffit_options_init(&o);                                                                                      \
+        o.member = bad;                                                                                                \
+        assert_int_equal(brdffit_workspace_size(COUNT, CHANNELS, &o), 0);                                              \
+        (void)brdffit_test_fit_fails(&p.samples, &o, BRDFFIT_ERR_OPTION);                                              \
     } while (0)
     REFUSE_OPTION(lobes, 0);
     REFUSE_OPTION(lobes, 3);
@@ -227,12 +227,9 @@ static void test_size_overflow(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_missing_arrays),
-        cmocka_unit_test(test_bad_samples_struct),
-        cmocka_unit_test(test_null_pointers),
-        cmocka_unit_test(test_bad_options),
-        cmocka_unit_test(test_extreme_options),
-        cmocka_unit_test(test_workspace_too_small),
+        cmocka_unit_test(test_missing_arrays),  cmocka_unit_test(test_bad_samples_struct),
+        cmocka_unit_test(test_null_pointers),   cmocka_unit_test(test_bad_options),
+        cmocka_unit_test(test_extreme_options), cmocka_unit_test(test_workspace_too_small),
         cmocka_unit_test(test_size_overflow),
     };
 

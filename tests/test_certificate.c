@@ -270,16 +270,11 @@ static void test_cone_is_reached(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_known_linear_program),
-        cmocka_unit_test(test_known_cone),
-        cmocka_unit_test(test_infeasibility_is_proven),
-        cmocka_unit_test(test_refuses_what_is_not_finite),
-        cmocka_unit_test(test_overflow_proves_nothing),
-        cmocka_unit_test(test_shapes),
-        cmocka_unit_test(test_sparse_equals_dense),
-        cmocka_unit_test(test_objective_is_rounded_down),
-        cmocka_unit_test(test_cone_is_reached),
-        cmocka_unit_test(test_bounds_hold),
+        cmocka_unit_test(test_known_linear_program),    cmocka_unit_test(test_known_cone),
+        cmocka_unit_test(test_infeasibility_is_proven), cmocka_unit_test(test_refuses_what_is_not_finite),
+        cmocka_unit_test(test_overflow_proves_nothing), cmocka_unit_test(test_shapes),
+        cmocka_unit_test(test_sparse_equals_dense),     cmocka_unit_test(test_objective_is_rounded_down),
+        cmocka_unit_test(test_cone_is_reached),         cmocka_unit_test(test_bounds_hold),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -13,9 +13,9 @@
 #include "support.h"
 
 /* Each test runs with one and two lobes and both distributions. */
-#define FOR_EACH_MODEL(options)                                                                                 \
-    for (brdffit_options_init(&(options)); (options).lobes <= 2; (options).lobes++)                             \
-        for ((options).distribution = BRDFFIT_BECKMANN; (options).distribution <= BRDFFIT_GGX;                 \
+#define FOR_EACH_MODEL(options)                                                                                        \
+    for (brdffit_options_init(&(options)); (options).lobes <= 2; (options).lobes++)                                    \
+        for ((options).distribution = BRDFFIT_BECKMANN; (options).distribution <= BRDFFIT_GGX;                         \
              (options).distribution = (brdffit_distribution)((options).distribution + 1))
 
 static brdffit_result fit_and_free(const brdffit_samples *samples, const brdffit_options *options)
@@ -267,14 +267,10 @@ static void test_data_scaled(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_sample),
-        cmocka_unit_test(test_one_sample_of_each_form),
-        cmocka_unit_test(test_all_c_equal),
-        cmocka_unit_test(test_all_directions_equal),
-        cmocka_unit_test(test_a_channel_of_zeros),
-        cmocka_unit_test(test_all_zero_and_all_negative),
-        cmocka_unit_test(test_some_negative),
-        cmocka_unit_test(test_channels),
+        cmocka_unit_test(test_one_sample),         cmocka_unit_test(test_one_sample_of_each_form),
+        cmocka_unit_test(test_all_c_equal),        cmocka_unit_test(test_all_directions_equal),
+        cmocka_unit_test(test_a_channel_of_zeros), cmocka_unit_test(test_all_zero_and_all_negative),
+        cmocka_unit_test(test_some_negative),      cmocka_unit_test(test_channels),
         cmocka_unit_test(test_data_scaled),
     };
 

@@ -19,8 +19,8 @@
 
 #define UNIT 1.1102230246251565e-16L
 
-#define FOR_EACH(distribution)                                                                      \
-    for ((distribution) = BRDFFIT_BECKMANN; (distribution) < BRDFFIT_DISTRIBUTION_COUNT;            \
+#define FOR_EACH(distribution)                                                                                         \
+    for ((distribution) = BRDFFIT_BECKMANN; (distribution) < BRDFFIT_DISTRIBUTION_COUNT;                               \
          (distribution) = (brdffit_distribution)((distribution) + 1))
 
 /* ---- kernels ------------------------------------------------------------------------------------------ */
@@ -48,9 +48,11 @@ static void check_kernels(double x)
 
 static void test_kernels(void **state)
 {
+    /* clang-format off */
     static const double edge[] = {0x1p-1022, 1e-20,  0x1p-54, 0x1p-53, 0x1p-52,
                                   0x1.8p-52, 0.4375, 0.6875,  1.0,     1.1875,
                                   2.4375,    0x1p53, 1e100,   0.41421356237309503, 0.29289321881345254};
+    /* clang-format on */
     struct brdffit_test_random random = {3};
     size_t i;
     int k;
@@ -93,9 +95,8 @@ static void check_recovery(struct scene *s, brdffit_form form, const brdffit_opt
         long double y = coefficient(options->distribution, truth[p], p);
 
         if (!(fabs(found(r, p) / truth[p] - 1.0) <= 1e-9)) {
-            fail_msg("%s, form %d, lobe %d of %d: %.17g, not %.17g",
-                     brdffit_distribution_string(options->distribution), (int)form, p, options->lobes, found(r, p),
-                     truth[p]);
+            fail_msg("%s, form %d, lobe %d of %d: %.17g, not %.17g", brdffit_distribution_string(options->distribution),
+                     (int)form, p, options->lobes, found(r, p), truth[p]);
         }
         assert_true(fabsl(r->model.y[p] / y - 1.0L) <= 1e-8L);
         assert_true(fabsl(r->model.y[options->lobes + p] / (3.0L * y) - 1.0L) <= 1e-8L);
@@ -282,8 +283,8 @@ static void test_names(void **state)
 
 static void test_range_checked(void **state)
 {
-    static const double bad[][2] = {{0.0, 1e7}, {-1.0, 1e7}, {NAN, 1e7},  {0.1, NAN}, {INFINITY, INFINITY},
-                                    {0.1, INFINITY}, {5.0, 4.0}, {9e-7, 1.0}, {0.1, 1.1e24}, {1.1e24, 1.2e24}};
+    static const double bad[][2] = {{0.0, 1e7},      {-1.0, 1e7}, {NAN, 1e7},  {0.1, NAN},    {INFINITY, INFINITY},
+                                    {0.1, INFINITY}, {5.0, 4.0},  {9e-7, 1.0}, {0.1, 1.1e24}, {1.1e24, 1.2e24}};
     brdffit_options options;
     brdffit_error error;
     double value = 1.0, c = 0.0;
@@ -375,9 +376,9 @@ static void test_flat(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernels),  cmocka_unit_test(test_names),  cmocka_unit_test(test_range_checked),
-        cmocka_unit_test(test_mirror),   cmocka_unit_test(test_eval),   cmocka_unit_test(test_recovery),
-        cmocka_unit_test(test_noisy),    cmocka_unit_test(test_ends),   cmocka_unit_test(test_flat),
+        cmocka_unit_test(test_kernels), cmocka_unit_test(test_names), cmocka_unit_test(test_range_checked),
+        cmocka_unit_test(test_mirror),  cmocka_unit_test(test_eval),  cmocka_unit_test(test_recovery),
+        cmocka_unit_test(test_noisy),   cmocka_unit_test(test_ends),  cmocka_unit_test(test_flat),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -146,7 +146,7 @@ static brdffit_result survives(const brdffit_samples *samples, const brdffit_opt
 /* Sigma from 1e-12, and columns (a, b), data and weights scaled: the same answer whatever the scale. */
 static void test_columns_of_any_scale(void **state)
 {
-    static const double scale[][3] = {{1.0, 1.0, 1.0}, {1e12, 1e-12, 1.0}, {1e-12, 1e12, 1.0},
+    static const double scale[][3] = {{1.0, 1.0, 1.0},     {1e12, 1e-12, 1.0},   {1e-12, 1e12, 1.0},
                                       {1e12, 1e12, 1e-12}, {1e-12, 1e-12, 1e12}, {1.0, 1e-12, 1e-12}};
     double e2[2] = {0.0, 0.0};
     size_t i, j;
@@ -279,12 +279,9 @@ static void test_reproducible(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_optimum_one_lobe),
-        cmocka_unit_test(test_same_optimum_two_lobes),
-        cmocka_unit_test(test_columns_of_any_scale),
-        cmocka_unit_test(test_zero_residual_and_zero_data),
-        cmocka_unit_test(test_tiny_gaps_end),
-        cmocka_unit_test(test_any_number_of_channels_and_samples),
+        cmocka_unit_test(test_same_optimum_one_lobe), cmocka_unit_test(test_same_optimum_two_lobes),
+        cmocka_unit_test(test_columns_of_any_scale),  cmocka_unit_test(test_zero_residual_and_zero_data),
+        cmocka_unit_test(test_tiny_gaps_end),         cmocka_unit_test(test_any_number_of_channels_and_samples),
         cmocka_unit_test(test_reproducible),
     };
 

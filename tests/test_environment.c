@@ -21,7 +21,8 @@
 #if defined(__SSE2__)
 /* MXCSR: rounding 0x6000, FTZ 0x8000, DAZ 0x0040, masks 0x1f80 (cleared: division by zero, overflow, underflow and
  * inexact trap). */
-static const unsigned modes[] = {0x1f80, 0x3f80, 0x5f80, 0x7f80, 0x9f80, 0x1fc0, 0x9fc0, 0xffc0, 0x0080, 0xe0c0, 0x5fbf};
+static const unsigned modes[] = {0x1f80, 0x3f80, 0x5f80, 0x7f80, 0x9f80, 0x1fc0,
+                                 0x9fc0, 0xffc0, 0x0080, 0xe0c0, 0x5fbf};
 
 static void set_mode(unsigned mode)
 {
@@ -33,15 +34,16 @@ static unsigned mode_now(void)
     return __builtin_ia32_stmxcsr();
 }
 #else
-static const unsigned modes[] = {FE_TONEAREST,
+static const unsigned modes[] = {
+    FE_TONEAREST,
 #ifdef FE_UPWARD
-                                 FE_UPWARD,
+    FE_UPWARD,
 #endif
 #ifdef FE_DOWNWARD
-                                 FE_DOWNWARD,
+    FE_DOWNWARD,
 #endif
 #ifdef FE_TOWARDZERO
-                                 FE_TOWARDZERO,
+    FE_TOWARDZERO,
 #endif
 };
 

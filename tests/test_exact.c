@@ -13,9 +13,9 @@
 #include "support.h"
 
 /* Each test runs with one and two lobes and both distributions. */
-#define FOR_EACH_MODEL(options)                                                                                 \
-    for (brdffit_options_init(&(options)); (options).lobes <= 2; (options).lobes++)                             \
-        for ((options).distribution = BRDFFIT_BECKMANN; (options).distribution <= BRDFFIT_GGX;                 \
+#define FOR_EACH_MODEL(options)                                                                                        \
+    for (brdffit_options_init(&(options)); (options).lobes <= 2; (options).lobes++)                                    \
+        for ((options).distribution = BRDFFIT_BECKMANN; (options).distribution <= BRDFFIT_GGX;                         \
              (options).distribution = (brdffit_distribution)((options).distribution + 1))
 
 static brdffit_result fit_and_free(const brdffit_samples *samples, const brdffit_options *options)
@@ -211,8 +211,8 @@ static void test_any_limit(void **state)
             options.sigma_min = limit;
             options.sigma_max = 10.0 * limit;
             result = fit_and_free(&samples, &options);
-            assert_true(options.lobes == 1 || (result.model.sigma[0] == options.sigma_min &&
-                                               result.model.sigma[1] == options.sigma_max));
+            assert_true(options.lobes == 1 ||
+                        (result.model.sigma[0] == options.sigma_min && result.model.sigma[1] == options.sigma_max));
             options.sigma_min = 1e-12;
         }
     }

@@ -21,16 +21,11 @@ struct gram_case {
 static double draw_cosine(uint64_t *s)
 {
     switch (case_next(s) % 6) {
-    case 0:
-        return 0.0;
-    case 1:
-        return 1.0 - pow(10.0, -16.0 * case_uniform(s));
-    case 2:
-        return LIMIT_COSINE;
-    case 3:
-        return 1.0;
-    default:
-        return case_uniform(s);
+    case 0: return 0.0;
+    case 1: return 1.0 - pow(10.0, -16.0 * case_uniform(s));
+    case 2: return LIMIT_COSINE;
+    case 3: return 1.0;
+    default: return case_uniform(s);
     }
 }
 

@@ -221,10 +221,8 @@ static void test_axis_of_one_point(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_heap_against_sorted),
-        cmocka_unit_test(test_heap_orders_infinite_bounds),
-        cmocka_unit_test(test_axis_splits),
-        cmocka_unit_test(test_axis_ends_at_rounding),
+        cmocka_unit_test(test_heap_against_sorted), cmocka_unit_test(test_heap_orders_infinite_bounds),
+        cmocka_unit_test(test_axis_splits),         cmocka_unit_test(test_axis_ends_at_rounding),
         cmocka_unit_test(test_axis_of_one_point),
     };
 

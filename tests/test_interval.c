@@ -148,7 +148,8 @@ static void open_sides(struct moments_case *m, struct sides *s)
     }
     for (p = 0; p < 2 && s->refine; p++) {
         double middle = s->theta[p][0] + s->part * (s->theta[p][1] - s->theta[p][0]);
-        struct interval *whole = brdffit_interval(&engine->intervals, p, 2 * p, 2 * p + 1, s->theta[p][0], s->theta[p][1]);
+        struct interval *whole = brdffit_interval(&engine->intervals, p, 2 * p, 2 * p + 1, s->theta[p][0],
+                                                  s->theta[p][1]);
 
         if (s->theta[p][0] < middle && middle < s->theta[p][1] && whole->eighth > 0.0) {
             brdffit_interval_refine(

@@ -93,7 +93,8 @@ static void check_blocks(int fortran)
         data[i] = (unsigned char)i;
     }
     npy = npy_of(fortran ? "{'descr': '|u1', 'fortran_order': True, 'shape': (4, 3, 2), }"
-                         : "{'descr': '|u1', 'fortran_order': False, 'shape': (4, 3, 2), }", data, 24);
+                         : "{'descr': '|u1', 'fortran_order': False, 'shape': (4, 3, 2), }",
+                 data, 24);
     array = good(&npy);
     for (i = 0; i < 4 * 3 * 2 * 4 * 3 * 2; i++) {
         double out[24];
@@ -111,8 +112,8 @@ static void check_blocks(int fortran)
         for (at[0] = s[0]; inside && at[0] < s[0] + n[0]; at[0]++) {
             for (at[1] = s[1]; at[1] < s[1] + n[1]; at[1]++) {
                 for (at[2] = s[2]; at[2] < s[2] + n[2]; at[2]++) {
-                    assert_same(out[k++], (double)(fortran ? at[0] + 4 * (at[1] + 3 * at[2])
-                                                           : at[2] + 2 * (at[1] + 3 * at[0])));
+                    assert_same(out[k++],
+                                (double)(fortran ? at[0] + 4 * (at[1] + 3 * at[2]) : at[2] + 2 * (at[1] + 3 * at[0])));
                 }
             }
         }

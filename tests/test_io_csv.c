@@ -333,15 +333,19 @@ static void test_unterminated_memory(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_angles),        cmocka_unit_test(test_angles_in_plane),
-        cmocka_unit_test(test_angles_range),  cmocka_unit_test(test_vectors),
-        cmocka_unit_test(test_coefficients),  cmocka_unit_test(test_quantity),
-        cmocka_unit_test(test_dresses),       cmocka_unit_test(test_lines_are_the_files),
-        cmocka_unit_test(test_channel_names), cmocka_unit_test(test_absent_and_negative),
-        cmocka_unit_test(test_many),          cmocka_unit_test(test_locale),
-        cmocka_unit_test(test_unterminated_memory),
-    };
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_angles),
+                                       cmocka_unit_test(test_angles_in_plane),
+                                       cmocka_unit_test(test_angles_range),
+                                       cmocka_unit_test(test_vectors),
+                                       cmocka_unit_test(test_coefficients),
+                                       cmocka_unit_test(test_quantity),
+                                       cmocka_unit_test(test_dresses),
+                                       cmocka_unit_test(test_lines_are_the_files),
+                                       cmocka_unit_test(test_channel_names),
+                                       cmocka_unit_test(test_absent_and_negative),
+                                       cmocka_unit_test(test_many),
+                                       cmocka_unit_test(test_locale),
+                                       cmocka_unit_test(test_unterminated_memory)};
 
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

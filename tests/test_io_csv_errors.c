@@ -31,9 +31,9 @@ static void refuse_all(const struct refusal *refusal, size_t count)
         status = io_text(r->text, NULL, &table, &error);
         if (status != r->status || table || !strstr(error.message, r->message) || error.line != r->line ||
             error.column != r->column || error.sample != r->sample || error.channel != r->channel) {
-            print_error("'%s'\n-> %d '%s' line %zd column %zd sample %zd channel %zd value %g\n", r->text,
-                        (int)status, error.message, (ssize_t)error.line, (ssize_t)error.column,
-                        (ssize_t)error.sample, (ssize_t)error.channel, error.value);
+            print_error("'%s'\n-> %d '%s' line %zd column %zd sample %zd channel %zd value %g\n", r->text, (int)status,
+                        error.message, (ssize_t)error.line, (ssize_t)error.column, (ssize_t)error.sample,
+                        (ssize_t)error.channel, error.value);
             fail();
         }
         assert_int_equal(error.status, status);
@@ -68,11 +68,11 @@ static void test_fields(void **state)
         {"theta_i,theta_o,w,r\n1,1,-2,1\n", BRDFFIT_ERR_VALUE, "weight is negative", 2, 3, 0, NOWHERE, -2},
         {"theta_i,theta_o,w,r\n1,1,nan,1\n", BRDFFIT_ERR_VALUE, "NaN", 2, 3, 0, NOWHERE, NAN},
         {"theta_i,theta_o,w,r\n1,1,,1\n", BRDFFIT_ERR_VALUE, "empty", 2, 3, 0, NOWHERE, 0},
-        {"lx,ly,lz,vx,vy,vz,r\n0,0,1,0,0,1,1\n0,-0,0,0,0,1,1\n", BRDFFIT_ERR_VALUE, "lx, ly, lz has no length", 3,
-         1, 1, NOWHERE, 0},
+        {"lx,ly,lz,vx,vy,vz,r\n0,0,1,0,0,1,1\n0,-0,0,0,0,1,1\n", BRDFFIT_ERR_VALUE, "lx, ly, lz has no length", 3, 1, 1,
+         NOWHERE, 0},
         {"lx,ly,lz,r,vz,vy,vx\n0,0,1,1,0,0,0\n", BRDFFIT_ERR_VALUE, "vx, vy, vz has no length", 2, 7, 0, NOWHERE, 0},
-        {"lx,ly,lz,vx,vy,vz,nx,ny,nz,r\n0,0,1,0,0,1,0,0,0,1\n", BRDFFIT_ERR_VALUE, "nx, ny, nz has no length", 2,
-         7, 0, NOWHERE, 0},
+        {"lx,ly,lz,vx,vy,vz,nx,ny,nz,r\n0,0,1,0,0,1,0,0,0,1\n", BRDFFIT_ERR_VALUE, "nx, ny, nz has no length", 2, 7, 0,
+         NOWHERE, 0},
         {"a,b,c,r\n-1,0,0,1\n", BRDFFIT_ERR_VALUE, "a is negative", 2, 1, 0, NOWHERE, -1},
         {"a,b,c,r\n0,-2,0,1\n", BRDFFIT_ERR_VALUE, "b is negative", 2, 2, 0, NOWHERE, -2},
         {"a,b,c,r\n0,0,0,1\n0,0,-3,1\n", BRDFFIT_ERR_VALUE, "c is negative", 3, 3, 1, NOWHERE, -3},

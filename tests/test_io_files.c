@@ -296,12 +296,10 @@ static void test_limit(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_text_file), cmocka_unit_test(test_merl_file),
-        cmocka_unit_test(test_missing), cmocka_unit_test(test_long_name),
-        cmocka_unit_test(test_directory), cmocka_unit_test(test_unreadable),
-        cmocka_unit_test(test_empty), cmocka_unit_test(test_other_errors),
-        cmocka_unit_test(test_standard_input), cmocka_unit_test(test_named_pipe),
-        cmocka_unit_test(test_limit),
+        cmocka_unit_test(test_text_file),  cmocka_unit_test(test_merl_file),    cmocka_unit_test(test_missing),
+        cmocka_unit_test(test_long_name),  cmocka_unit_test(test_directory),    cmocka_unit_test(test_unreadable),
+        cmocka_unit_test(test_empty),      cmocka_unit_test(test_other_errors), cmocka_unit_test(test_standard_input),
+        cmocka_unit_test(test_named_pipe), cmocka_unit_test(test_limit),
     };
 
     return cmocka_run_group_tests(tests, make_directory, remove_directory);

@@ -208,10 +208,9 @@ static void test_bomb(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_truncated),
-        cmocka_unit_test(test_short_table_inside),
-        cmocka_unit_test(test_members),    cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_twice),      cmocka_unit_test(test_bomb),
+        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_truncated), cmocka_unit_test(test_short_table_inside),
+        cmocka_unit_test(test_members),    cmocka_unit_test(test_damaged),   cmocka_unit_test(test_twice),
+        cmocka_unit_test(test_bomb),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

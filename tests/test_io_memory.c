@@ -59,12 +59,14 @@ static size_t fail_each(const void *data, size_t size, const char *path, const b
 
 static void test_csv(void **state)
 {
+    /* clang-format off */
     static const char *const text[] = {
         "theta_i,theta_o,w,r,g,b\n1,2,3,4,5,6\n1,1,1,,1,1\n",
         "lx;ly;lz;vx;vy;vz;nx;ny;nz;\"one \"\"name\"\"\"\n0;0;1;0;0;1;0;0;1;5\n",
         "a,b,c,r\n1,1,1,0.0000000000000000000000000000000000000000000000000000000000000000000000000000000000"
         "000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000001\n",
     };
+    /* clang-format on */
     size_t i;
 
     (void)state;
@@ -145,10 +147,17 @@ static void test_file(void **state)
 /* Failures of other kinds leak nothing either. */
 static void test_refusals(void **state)
 {
-    static const char *const text[] = {
-        "", "x", "theta_i,theta_o,r,r\n", "theta_i,theta_o,r\n1,2\n", "theta_i,theta_o,r\n1,2,x\n",
-        "theta_i,theta_o,r\n1,2,\n", "theta_i,theta_o\n", "a,b,c,\"r\n", "a,b,c,r,lx\n", "\x1f\x8b\x08", "\001\002",
-    };
+    static const char *const text[] = {"",
+                                       "x",
+                                       "theta_i,theta_o,r,r\n",
+                                       "theta_i,theta_o,r\n1,2\n",
+                                       "theta_i,theta_o,r\n1,2,x\n",
+                                       "theta_i,theta_o,r\n1,2,\n",
+                                       "theta_i,theta_o\n",
+                                       "a,b,c,\"r\n",
+                                       "a,b,c,r,lx\n",
+                                       "\x1f\x8b\x08",
+                                       "\001\002"};
     size_t i;
 
     (void)state;
@@ -209,8 +218,8 @@ static void test_array(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_csv),  cmocka_unit_test(test_csv_grows), cmocka_unit_test(test_merl),
-        cmocka_unit_test(test_gzip), cmocka_unit_test(test_file),      cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_csv),   cmocka_unit_test(test_csv_grows), cmocka_unit_test(test_merl),
+        cmocka_unit_test(test_gzip),  cmocka_unit_test(test_file),      cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_sizes), cmocka_unit_test(test_array),
     };
 

@@ -323,13 +323,15 @@ static void test_other_binaries(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_cell),   cmocka_unit_test(test_what_it_says),
-        cmocka_unit_test(test_exactly_on_the_horizon),
-        cmocka_unit_test(test_masked),       cmocka_unit_test(test_all_masked),
-        cmocka_unit_test(test_not_finite),   cmocka_unit_test(test_wrong_size),
-        cmocka_unit_test(test_lying_header), cmocka_unit_test(test_other_binaries),
-    };
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_cell),
+                                       cmocka_unit_test(test_what_it_says),
+                                       cmocka_unit_test(test_exactly_on_the_horizon),
+                                       cmocka_unit_test(test_masked),
+                                       cmocka_unit_test(test_all_masked),
+                                       cmocka_unit_test(test_not_finite),
+                                       cmocka_unit_test(test_wrong_size),
+                                       cmocka_unit_test(test_lying_header),
+                                       cmocka_unit_test(test_other_binaries)};
 
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -38,6 +38,7 @@ static void same_as_strtod(const char *text)
 
 static void test_chosen_numbers(void **state)
 {
+    /* clang-format off */
     static const char *const text[] = {
         "0", "-0", "+0", "1", "+1", "-1", "1.", ".5", "-.5", "0.1", "1e0", "1E5", "1e+5", "1e-5", "00012", "0.0001",
         "123456789012345678", "9007199254740992", "9007199254740993", "9007199254740993e22", "18446744073709551615",
@@ -51,6 +52,7 @@ static void test_chosen_numbers(void **state)
         "1797693134862315807937289714053034150799341327100378269361737789804449682927647509466490179775872070963"
         "3028641669288791094655554785194040263065748867150582068190890200070838367627385484581771153176447573027",
     };
+    /* clang-format on */
     size_t i;
 
     (void)state;
@@ -79,8 +81,7 @@ static void test_random_numbers(void **state)
         case 1: snprintf(text, sizeof text, "%.9g", magnitude); break;
         case 2: snprintf(text, sizeof text, "%.6f", (double)(int64_t)x * 1e-12); break;
         case 3:
-            snprintf(text, sizeof text, "%d.%03de%d", (int)(x & 1023), (int)(x >> 10 & 511),
-                     (int)(x >> 32 & 63) - 31);
+            snprintf(text, sizeof text, "%d.%03de%d", (int)(x & 1023), (int)(x >> 10 & 511), (int)(x >> 32 & 63) - 31);
             break;
         default: snprintf(text, sizeof text, "%llue%d", (unsigned long long)x, (int)(x >> 40 & 63) - 31); break;
         }
@@ -93,6 +94,7 @@ static void test_not_numbers(void **state)
     static const struct {
         const char *text;
         enum io_number kind;
+        /* clang-format off */
     } bad[] = {
         {"", IO_NUMBER_EMPTY}, {"nan", IO_NUMBER_NAN}, {"NaN", IO_NUMBER_NAN}, {"-nan", IO_NUMBER_NAN},
         {"inf", IO_NUMBER_INFINITE}, {"-Infinity", IO_NUMBER_INFINITE}, {"0x10", IO_NUMBER_HEXADECIMAL},
@@ -104,6 +106,7 @@ static void test_not_numbers(void **state)
         {"NA", IO_NUMBER_TEXT}, {"1e5.5", IO_NUMBER_TEXT}, {"1d5", IO_NUMBER_TEXT}, {"nan(1)", IO_NUMBER_TEXT},
         {"infinit", IO_NUMBER_TEXT}, {"\xc2\xa0" "1", IO_NUMBER_TEXT},
     };
+    /* clang-format on */
     size_t i;
 
     (void)state;
@@ -142,6 +145,7 @@ static void test_number_is_bounded(void **state)
 
 static void test_angles_exact(void **state)
 {
+    /* clang-format off */
     static const double table[][3] = {
         {0, 0, 1}, {30, 0.5, 0.86602540378443865}, {45, 0.70710678118654752, 0.70710678118654752},
         {60, 0.86602540378443865, 0.5}, {90, 1, 0}, {120, 0.86602540378443865, -0.5},
@@ -149,6 +153,7 @@ static void test_angles_exact(void **state)
         {180, 0, -1}, {210, -0.5, -0.86602540378443865}, {270, -1, 0}, {360, 0, 1}, {450, 1, 0}, {-90, -1, 0},
         {-180, 0, -1}, {-30, -0.5, 0.86602540378443865}, {36000000090.0, 1, 0}, {-3.6e17, 0, 1},
     };
+    /* clang-format on */
     size_t i;
     double s, c;
 

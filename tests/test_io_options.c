@@ -173,8 +173,7 @@ static void test_directions_only(void **state)
     assert_null(table->samples.values);
     io_assert_near(table->samples.light[2], 0.98480775301220805937L, 2e-16);
     brdffit_io_free(table);
-    assert_int_equal(io_text("theta_i,phi_i,theta_o,phi_o,r\n10,0,20,180,0.5\n", &options, &table, &error),
-                     BRDFFIT_OK);
+    assert_int_equal(io_text("theta_i,phi_i,theta_o,phi_o,r\n10,0,20,180,0.5\n", &options, &table, &error), BRDFFIT_OK);
     assert_int_equal(table->samples.channels, 1);
     brdffit_io_free(table);
 }
@@ -182,9 +181,9 @@ static void test_directions_only(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_defaults),   cmocka_unit_test(test_ranges),
-        cmocka_unit_test(test_directions), cmocka_unit_test(test_places_of_directions),
-        cmocka_unit_test(test_arguments),  cmocka_unit_test(test_drop_names),
+        cmocka_unit_test(test_defaults),        cmocka_unit_test(test_ranges),
+        cmocka_unit_test(test_directions),      cmocka_unit_test(test_places_of_directions),
+        cmocka_unit_test(test_arguments),       cmocka_unit_test(test_drop_names),
         cmocka_unit_test(test_directions_only),
     };
 

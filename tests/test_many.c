@@ -117,7 +117,8 @@ static void open_attack(struct attack *k, const struct brdffit_test_batch *b, si
 static void attack_texel(const struct brdffit_test_batch *b, size_t t)
 {
     static struct attack k;
-    double bound = b->results.lower_bound[t], sigma = b->results.sigma[t], slack = brdffit_test_batch_rounding(bound, b->results.sum_of_squares[t]);
+    double bound = b->results.lower_bound[t], sigma = b->results.sigma[t],
+           slack = brdffit_test_batch_rounding(bound, b->results.sum_of_squares[t]);
     long double e2 = 0.0L;
     size_t i, c;
     int j;
@@ -146,7 +147,8 @@ static void attack_texel(const struct brdffit_test_batch *b, size_t t)
             e2 += (k.v[c][i] - model / scale) * (k.v[c][i] - model / scale);
         }
     }
-    if (!(fabsl(e2 - b->results.e2[t]) <= brdffit_test_batch_rounding(b->results.e2[t], b->results.sum_of_squares[t]))) {
+    if (!(fabsl(e2 - b->results.e2[t]) <=
+          brdffit_test_batch_rounding(b->results.e2[t], b->results.sum_of_squares[t]))) {
         fail_msg("texel %zu: E^2 %.17g, from its model %.17Lg", t, b->results.e2[t], e2);
     }
 }
@@ -302,11 +304,8 @@ static void test_one_lobe_enough(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_lobe),
-        cmocka_unit_test(test_options),
-        cmocka_unit_test(test_metals),
-        cmocka_unit_test(test_two_lobes),
-        cmocka_unit_test(test_one_lobe_enough),
+        cmocka_unit_test(test_one_lobe),  cmocka_unit_test(test_options),         cmocka_unit_test(test_metals),
+        cmocka_unit_test(test_two_lobes), cmocka_unit_test(test_one_lobe_enough),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -289,7 +289,8 @@ static void test_misuse(void **state)
     assert_null(plan);
     b.options.lobes = 3;
     assert_int_equal(brdffit_plan_size(&b.data.samples, &b.options), 0);
-    assert_int_equal(brdffit_plan_init(&b.data.samples, &b.options, b.memory, needed, &plan, &error), BRDFFIT_ERR_OPTION);
+    assert_int_equal(brdffit_plan_init(&b.data.samples, &b.options, b.memory, needed, &plan, &error),
+                     BRDFFIT_ERR_OPTION);
     b.options.lobes = 1;
     assert_int_equal(brdffit_plan_init(&b.data.samples, &b.options, b.memory, needed, &b.plan, &error), BRDFFIT_OK);
     size = brdffit_many_workspace_size(b.plan);
@@ -303,7 +304,8 @@ static void test_misuse(void **state)
     assert_int_equal(brdffit_fit_many(b.plan, &texels, &b.results, workspace, size, NULL, NULL), BRDFFIT_ERR_ARGUMENT);
     texels.scale = 1.0;
     texels.values = NULL;
-    assert_int_equal(brdffit_fit_many(b.plan, &texels, &b.results, workspace, size, NULL, &error), BRDFFIT_ERR_ARGUMENT);
+    assert_int_equal(brdffit_fit_many(b.plan, &texels, &b.results, workspace, size, NULL, &error),
+                     BRDFFIT_ERR_ARGUMENT);
     assert_int_equal(brdffit_fit_many(NULL, &texels, &b.results, workspace, size, NULL, &error), BRDFFIT_ERR_ARGUMENT);
     texels.count = 0;
     assert_int_equal(brdffit_fit_many(b.plan, &texels, &b.results, workspace, size, NULL, &error), BRDFFIT_OK);

@@ -92,7 +92,8 @@ static long double gain_of(const struct batch_fast *f, const long double *r, con
 
 /* Residuals that make the most of the middle of the window (kind 0), or random ones; 1 their norm. */
 static void make_residuals(const struct batch_fast *f, struct brdffit_test_random *random, int kind,
-                           const struct truth *low, const struct truth *middle, const struct truth *high, long double *r)
+                           const struct truth *low, const struct truth *middle, const struct truth *high,
+                           long double *r)
 {
     long double along = 0.0L, norm = 0.0L;
     size_t m, i;
@@ -134,7 +135,8 @@ static void check_screen(const struct batch_fast *f, size_t w, struct brdffit_te
         for (j = 1; j < 12; j++) {
             truth_at(f, window->center + window->radius * (j / 6.0L - 1.0L), &at);
             if (!(gain_of(f, r, &at) <= most)) {
-                fail_msg("window %zu, kind %d, place %d: %Lg gained, %Lg claimed", w, kind, j, gain_of(f, r, &at), most);
+                fail_msg("window %zu, kind %d, place %d: %Lg gained, %Lg claimed", w, kind, j, gain_of(f, r, &at),
+                         most);
             }
         }
     }

@@ -216,12 +216,8 @@ static void test_nothing_left(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_not_finite),
-        cmocka_unit_test(test_out_of_range),
-        cmocka_unit_test(test_zero_length),
-        cmocka_unit_test(test_any_length),
-        cmocka_unit_test(test_skipped),
-        cmocka_unit_test(test_nothing_left),
+        cmocka_unit_test(test_not_finite), cmocka_unit_test(test_out_of_range), cmocka_unit_test(test_zero_length),
+        cmocka_unit_test(test_any_length), cmocka_unit_test(test_skipped),      cmocka_unit_test(test_nothing_left),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

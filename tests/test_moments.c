@@ -9,14 +9,11 @@
 static double draw_theta(const struct moments_case *m, struct brdffit_test_random *random)
 {
     switch (brdffit_test_below(random, 4)) {
-    case 0:
-        return m->fit.theta_low;
-    case 1:
-        return m->fit.theta_high;
+    case 0: return m->fit.theta_low;
+    case 1: return m->fit.theta_high;
     case 2: /* sigma = 1e-12 or 1e3, whatever the domain */
         return brdffit_test_below(random, 2) ? 55.262042231857095 : -13.815510557964274;
-    default:
-        return brdffit_test_uniform(random, m->fit.theta_low, m->fit.theta_high);
+    default: return brdffit_test_uniform(random, m->fit.theta_low, m->fit.theta_high);
     }
 }
 
@@ -339,8 +336,7 @@ static void test_family_variable(void **state)
                 }
                 within("u", u[0], s / (1.0L + p), 8.0L * TOL_UNIT * s / (1.0L + p));
                 within("u'", u[1], s / powl(1.0L + p, 2.0L), 16.0L * TOL_UNIT * s / powl(1.0L + p, 2.0L));
-                within("u''", u[2], s * (1.0L - p) / powl(1.0L + p, 3.0L),
-                       32.0L * TOL_UNIT * s / powl(1.0L + p, 2.0L));
+                within("u''", u[2], s * (1.0L - p) / powl(1.0L + p, 3.0L), 32.0L * TOL_UNIT * s / powl(1.0L + p, 2.0L));
                 assert_true(u[0] >= before * (1.0 - 8.0 * TOL_UNIT));
                 before = u[0];
             }
@@ -351,12 +347,9 @@ static void test_family_variable(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nodes),
-        cmocka_unit_test(test_omega),
-        cmocka_unit_test(test_pairs),
-        cmocka_unit_test(test_pair_cache),
-        cmocka_unit_test(test_shapes_not_kept),
-        cmocka_unit_test(test_family_variable),
+        cmocka_unit_test(test_nodes),           cmocka_unit_test(test_omega),
+        cmocka_unit_test(test_pairs),           cmocka_unit_test(test_pair_cache),
+        cmocka_unit_test(test_shapes_not_kept), cmocka_unit_test(test_family_variable),
     };
 
     return cmocka_run_group_tests_name("moments", tests, NULL, NULL);

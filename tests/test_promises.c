@@ -176,8 +176,8 @@ static void test_any_workspace(void **state)
             assert_non_null(block);
             memset(block, (int)(offset * 37 + 255), fit.workspace_size + offset);
             memset(&result, 0xa5, sizeof result);
-            assert_int_equal(
-                brdffit_fit(&data.samples, &options, block + offset, fit.workspace_size, &result, NULL), BRDFFIT_OK);
+            assert_int_equal(brdffit_fit(&data.samples, &options, block + offset, fit.workspace_size, &result, NULL),
+                             BRDFFIT_OK);
             assert_same_bits(&fit.result, &result);
             free(block);
         }
@@ -357,12 +357,9 @@ static void test_sigma_resolution(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_no_allocation),
-        cmocka_unit_test(test_allocation_failure),
-        cmocka_unit_test(test_any_workspace),
-        cmocka_unit_test(test_permutations),
-        cmocka_unit_test(test_progress_and_cancel),
-        cmocka_unit_test(test_budgets),
+        cmocka_unit_test(test_no_allocation),       cmocka_unit_test(test_allocation_failure),
+        cmocka_unit_test(test_any_workspace),       cmocka_unit_test(test_permutations),
+        cmocka_unit_test(test_progress_and_cancel), cmocka_unit_test(test_budgets),
         cmocka_unit_test(test_sigma_resolution),
     };
 

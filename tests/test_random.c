@@ -106,7 +106,8 @@ static void assert_same_bits(const brdffit_result *p, const brdffit_result *q, s
 }
 
 /* The result with every instruction set is `expected`, to the bit. */
-static int with_every_isa(const brdffit_samples *samples, const brdffit_options *options, const brdffit_result *expected)
+static int with_every_isa(const brdffit_samples *samples, const brdffit_options *options,
+                          const brdffit_result *expected)
 {
     int isa, ran = 0;
 

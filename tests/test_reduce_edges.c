@@ -169,10 +169,8 @@ static void test_channels_of_any_ratio(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_given_c_merge_exactly),
-        cmocka_unit_test(test_directions_merge_to_rounding),
-        cmocka_unit_test(test_no_lobe_at_all),
-        cmocka_unit_test(test_scales),
+        cmocka_unit_test(test_given_c_merge_exactly), cmocka_unit_test(test_directions_merge_to_rounding),
+        cmocka_unit_test(test_no_lobe_at_all),        cmocka_unit_test(test_scales),
         cmocka_unit_test(test_channels_of_any_ratio),
     };
 

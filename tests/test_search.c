@@ -120,12 +120,9 @@ static void test_nothing_met(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_finds_the_global_minimum),
-        cmocka_unit_test(test_absolute_gap),
-        cmocka_unit_test(test_diagonal_splits_in_three),
-        cmocka_unit_test(test_ties_in_order),
-        cmocka_unit_test(test_infinite_bounds),
-        cmocka_unit_test(test_nothing_met),
+        cmocka_unit_test(test_finds_the_global_minimum), cmocka_unit_test(test_absolute_gap),
+        cmocka_unit_test(test_diagonal_splits_in_three), cmocka_unit_test(test_ties_in_order),
+        cmocka_unit_test(test_infinite_bounds),          cmocka_unit_test(test_nothing_met),
     };
 
     return cmocka_run_group_tests_name("search", tests, NULL, NULL);

@@ -165,8 +165,14 @@ static void check(uint64_t seed, int largest)
     double scratch[4][ROWS], z[SIMPLEX_UNKNOWNS], found;
     uint32_t owner[ROWS];
     long double zl[4] = {0.0L, 0.0L, 0.0L, 0.0L}, size = norm_at(&p, zl, largest), best = enumerate(&p, largest);
-    struct simplex v = {.rows = (size_t)p.rows, .columns = p.columns, .data = p.data, .moved = scratch[0],
-                       .residual = scratch[1], .along = scratch[2], .place = scratch[3], .owner = owner};
+    struct simplex v = {.rows = (size_t)p.rows,
+                        .columns = p.columns,
+                        .data = p.data,
+                        .moved = scratch[0],
+                        .residual = scratch[1],
+                        .along = scratch[2],
+                        .place = scratch[3],
+                        .owner = owner};
     int j;
 
     for (j = 0; j < 3; j++) {

@@ -48,7 +48,8 @@ int main(void)
 /* ECOS stops at 1e-8 relative to norms of the scaled program; the worst of 10000 was 1e-7 of conic_case.scale. */
 #define TOLERANCE 2e-7
 
-static struct socp_result solve_once(const struct conic_shape *shape, const struct conic_data *data, double *x, double *z)
+static struct socp_result solve_once(const struct conic_shape *shape, const struct conic_data *data, double *x,
+                                     double *z)
 {
     struct socp *socp;
     struct socp_result result;
@@ -176,8 +177,8 @@ static void make_feasibility(double *g, double *c, double *h, uint64_t *seed)
     c[REUSE_X] = 1.0;
 }
 
-static void check_feasibility(const struct conic_shape *shape, const struct conic_data *data, const struct socp_result *result,
-                              const double *x, double *z)
+static void check_feasibility(const struct conic_shape *shape, const struct conic_data *data,
+                              const struct socp_result *result, const double *x, double *z)
 {
     double lower[REUSE_N], upper[REUSE_N], bound, size = 0.0;
     size_t i;
@@ -307,7 +308,8 @@ static int check_optimum(const struct conic_case *problem, const struct socp_res
 {
     double error = fabs(result->primal / factor - problem->optimum);
 
-    if (!((result->outcome == SOCP_OPTIMAL || result->outcome == SOCP_INACCURATE) && error <= TOLERANCE * problem->scale)) {
+    if (!((result->outcome == SOCP_OPTIMAL || result->outcome == SOCP_INACCURATE) &&
+          error <= TOLERANCE * problem->scale)) {
         printf("optimum %.17g, ECOS says %.17g, code %d\n", problem->optimum, result->primal / factor, result->code);
         conic_case_print(problem);
         fail();

@@ -77,7 +77,8 @@ static void check_gram(const struct problem *p, const struct reduced *r, uint64_
         for (i = 0; i < r->rows; i++) {
             assert_true(r->row_c[i] < r->distinct);
             got += powl((long double)r->row_a[i] * x + (long double)r->row_b[i] * y[r->row_c[i]] -
-                            r->row_value[k * r->used + i], 2.0L);
+                            r->row_value[k * r->used + i],
+                        2.0L);
         }
         scale = sqrtl(ax) + sqrtl(by) + sqrtl(ii);
         within("residual of rows", (double)got, exact, TOL_GRAM * TOL_UNIT * scale * scale + 1e-15L * exact);
@@ -180,8 +181,9 @@ static void test_fits(void **state)
         brdffit_test_data_new(&spec, &data);
         size = brdffit_sums_size(data.samples.channels, data.samples.count);
         memory = malloc(size);
-        assert_int_equal(brdffit_sums_init(memory, size, data.samples.channels, data.samples.count, &options, &sums,
-                                           &error), BRDFFIT_OK);
+        assert_int_equal(
+            brdffit_sums_init(memory, size, data.samples.channels, data.samples.count, &options, &sums, &error),
+            BRDFFIT_OK);
         assert_int_equal(brdffit_sums_add(sums, &data.samples, &error), BRDFFIT_OK);
         room = brdffit_sums_workspace_size(sums, &options);
         workspace = malloc(room);

@@ -36,8 +36,8 @@ static struct io_merl random_table(int32_t n_h, int32_t n_d, int32_t n_p, double
         int gone = brdffit_test_uniform(&random, 0.0, 1.0) < masked;
 
         for (k = 0; k < 3; k++) {
-            double value = floor * (1.0 + (double)k) + 3000.0 * exp(-40.0 * part * part * part * part) *
-                                                           brdffit_test_uniform(&random, 0.8, 1.2);
+            double value = floor * (1.0 + (double)k) +
+                           3000.0 * exp(-40.0 * part * part * part * part) * brdffit_test_uniform(&random, 0.8, 1.2);
 
             io_put(&merl, k, i, gone && k == i % 3 ? -1.0 : i % 97 == 5 ? -0.0 : value);
         }
@@ -112,14 +112,12 @@ static void check_fit(const struct both *both, const brdffit_options *options)
     }
     brdffit_test_fit(&both->samples->samples, options, &direct);
     assert_int_equal(result.distinct_c, direct.result.distinct_c);
-    close_to("sum of squares", result.sum_of_squares, direct.result.sum_of_squares,
-             1e-13 * result.sum_of_squares);
+    close_to("sum of squares", result.sum_of_squares, direct.result.sum_of_squares, 1e-13 * result.sum_of_squares);
     close_to("E^2", result.e2, direct.result.e2, result.e2_error + options->relative_gap * result.e2);
     assert_true(result.lower_bound <= direct.result.e2 && direct.result.lower_bound <= result.e2 + result.e2_error);
     for (k = 0; k < 3; k++) {
         largest[k] = brdffit_sums_largest(both->sums->sums, k);
-        assert_true(result.channel_scale[k] ==
-                    (options->normalise == BRDFFIT_NORMALISE_MAX ? largest[k] : 1.0));
+        assert_true(result.channel_scale[k] == (options->normalise == BRDFFIT_NORMALISE_MAX ? largest[k] : 1.0));
         assert_true(result.channel_scale[k] == direct.result.channel_scale[k]);
     }
     brdffit_test_fit_free(&direct);
@@ -128,7 +126,8 @@ static void check_fit(const struct both *both, const brdffit_options *options)
 
 static void test_tables(void **state)
 {
-    static const int32_t dims[][3] = {{4, 3, 6}, {1, 1, 1}, {9, 10, 4}, {3, 20, 2}, {7, 5, 180}, {12, 9, 37}, {2, 3, 600}};
+    static const int32_t dims[][3] = {{4, 3, 6},   {1, 1, 1},   {9, 10, 4}, {3, 20, 2},
+                                      {7, 5, 180}, {12, 9, 37}, {2, 3, 600}};
     size_t i;
 
     (void)state;
@@ -330,10 +329,8 @@ static int remove_path(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tables),
-        cmocka_unit_test(test_instruction_sets),
-        cmocka_unit_test(test_not_finite),
-        cmocka_unit_test(test_other_ways),
+        cmocka_unit_test(test_tables),     cmocka_unit_test(test_instruction_sets),
+        cmocka_unit_test(test_not_finite), cmocka_unit_test(test_other_ways),
         cmocka_unit_test(test_pipe),
     };
 

@@ -67,14 +67,14 @@ static int accepted(const struct fixture *f, const struct copy *copy)
 }
 
 /* Spoil one claim of a copy; the judge must notice, and accept the original. */
-#define REFUSE(statement)                                                                \
-    do {                                                                                 \
-        struct copy wrong;                                                               \
-        copy_from(&wrong, &f.right.result);                                              \
-        statement;                                                                       \
-        if (accepted(&f, &wrong)) {                                                      \
-            fail_msg("accepted with: %s", #statement);                                   \
-        }                                                                                \
+#define REFUSE(statement)                                                                                              \
+    do {                                                                                                               \
+        struct copy wrong;                                                                                             \
+        copy_from(&wrong, &f.right.result);                                                                            \
+        statement;                                                                                                     \
+        if (accepted(&f, &wrong)) {                                                                                    \
+            fail_msg("accepted with: %s", #statement);                                                                 \
+        }                                                                                                              \
     } while (0)
 
 static void test_wrong_numbers(void **state)
@@ -277,12 +277,9 @@ static void test_basis(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_exact_reference),
-        cmocka_unit_test(test_basis),
-        cmocka_unit_test(test_wrong_numbers),
-        cmocka_unit_test(test_wrong_words),
-        cmocka_unit_test(test_wrong_certificate),
-        cmocka_unit_test(test_bound_is_attacked),
+        cmocka_unit_test(test_exact_reference),   cmocka_unit_test(test_basis),
+        cmocka_unit_test(test_wrong_numbers),     cmocka_unit_test(test_wrong_words),
+        cmocka_unit_test(test_wrong_certificate), cmocka_unit_test(test_bound_is_attacked),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -288,9 +288,8 @@ static int check_all(struct verdict *v, size_t attacks, unsigned long long seed)
     return failed;
 }
 
-int brdffit_verify_deep(const brdffit_samples *samples, const brdffit_options *options,
-                        const brdffit_result *result, size_t attacks, unsigned long long seed, char *why,
-                        size_t why_size)
+int brdffit_verify_deep(const brdffit_samples *samples, const brdffit_options *options, const brdffit_result *result,
+                        size_t attacks, unsigned long long seed, char *why, size_t why_size)
 {
     brdffit_options defaults;
     struct verdict v;

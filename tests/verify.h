@@ -21,8 +21,7 @@ int brdffit_verify(const brdffit_samples *samples, const brdffit_options *option
                    char *why, size_t why_size);
 
 /* The same with this many attacks on the lower bound (default: 2000, fewer for large problems) and a seed. */
-int brdffit_verify_deep(const brdffit_samples *samples, const brdffit_options *options,
-                        const brdffit_result *result, size_t attacks, unsigned long long seed, char *why,
-                        size_t why_size);
+int brdffit_verify_deep(const brdffit_samples *samples, const brdffit_options *options, const brdffit_result *result,
+                        size_t attacks, unsigned long long seed, char *why, size_t why_size);
 
 #endif

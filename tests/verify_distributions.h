@@ -99,19 +99,14 @@ static inline long double verify_error_c(brdffit_distribution distribution, cons
     long double tangent = sqrtl(at->tan2), root = sqrtl(c), u = VERIFY_UNIT, off, slope, merged;
 
     switch (distribution) {
-    case BRDFFIT_TORRANCE_SPARROW:
-        slope = 2.0L * root;
-        break;
+    case BRDFFIT_TORRANCE_SPARROW: slope = 2.0L * root; break;
     case BRDFFIT_BLINN_PHONG:
-    case BRDFFIT_ASHIKHMIN_SHIRLEY:
-        slope = tangent;
-        break;
+    case BRDFFIT_ASHIKHMIN_SHIRLEY: slope = tangent; break;
     case BRDFFIT_LAFORTUNE:
         off = verify_off_mirror(at);
         slope = off < 1.0L ? sqrtl(off * (2.0L - off)) / (1.0L - off) : 0.0L;
         break;
-    default:
-        return directions ? 16.0L * u * tangent * (1.0L + at->tan2) + 64.0L * u * u : 0.0L;
+    default: return directions ? 16.0L * u * tangent * (1.0L + at->tan2) + 64.0L * u * u : 0.0L;
     }
     merged = directions ? 16.0L * u * root * (1.0L + c) : 0.0L;
     return 8.0L * u * c + (directions || distribution == BRDFFIT_LAFORTUNE ? 8.0L * u * slope + 64.0L * u * u : 0.0L) +
@@ -124,17 +119,12 @@ static inline long double verify_lobe(brdffit_distribution distribution, long do
     long double s = 1.0L / (sigma * sigma), t = 1.0L + c * s;
 
     switch (distribution) {
-    case BRDFFIT_GGX:
-        return s / (t * t);
-    case BRDFFIT_TORRANCE_SPARROW:
-        return expl(-c * s);
-    case BRDFFIT_ASHIKHMIN_SHIRLEY:
-        return (s + 1.0L) / (8.0L * VERIFY_PI) * expl(-c * s);
+    case BRDFFIT_GGX: return s / (t * t);
+    case BRDFFIT_TORRANCE_SPARROW: return expl(-c * s);
+    case BRDFFIT_ASHIKHMIN_SHIRLEY: return (s + 1.0L) / (8.0L * VERIFY_PI) * expl(-c * s);
     case BRDFFIT_BLINN_PHONG:
-    case BRDFFIT_LAFORTUNE:
-        return (s + 2.0L) / (2.0L * VERIFY_PI) * expl(-c * s);
-    default: /* Beckmann, Ward */
-        return s * expl(-c * s);
+    case BRDFFIT_LAFORTUNE: return (s + 2.0L) / (2.0L * VERIFY_PI) * expl(-c * s);
+    default: /* Beckmann, Ward */ return s * expl(-c * s);
     }
 }
 

@@ -84,9 +84,10 @@ static inline int check_exponent(struct verdict *v, int j)
                 near(lobe->exponent * (long double)lobe->sigma * lobe->sigma, 1.0L, 8.0L * VERIFY_UNIT) &&
                 near(lobe->exponent_high * (long double)lobe->sigma_low * lobe->sigma_low, 1.0L, 8.0L * VERIFY_UNIT);
     }
-    return right ? 0
-                 : wrong(v, "lobe %d: exponent %.17g in [%.17g, %.17g], sigma %.17g in [%.17g, %.17g]", j, lobe->exponent,
-                         lobe->exponent_low, lobe->exponent_high, lobe->sigma, lobe->sigma_low, lobe->sigma_high);
+    return right
+               ? 0
+               : wrong(v, "lobe %d: exponent %.17g in [%.17g, %.17g], sigma %.17g in [%.17g, %.17g]", j, lobe->exponent,
+                       lobe->exponent_low, lobe->exponent_high, lobe->sigma, lobe->sigma_low, lobe->sigma_high);
 }
 
 static inline int check_warnings(struct verdict *v, int j, int used)

@@ -44,8 +44,8 @@ static inline void verify_classify(struct verify_problem *p)
     p->c_min = INFINITY;
     for (i = 0; i < p->samples->count; i++) {
         struct verify_sample *sample = p->sample + p->used;
-        brdffit_skip skip =
-            verify_sample_of(p->options->distribution, p->samples, p->options->max_incidence, i, sample);
+        brdffit_skip skip = verify_sample_of(p->options->distribution, p->samples, p->options->max_incidence, i,
+                                             sample);
         long double weight = p->samples->weights ? (long double)p->samples->weights[i] : 1.0L;
 
         if (skip != BRDFFIT_SKIP_COUNT) {
@@ -118,8 +118,8 @@ static inline int verify_floor_is_due(const struct verify_problem *p)
         }
         largest = fmaxl(largest, norm);
     }
-    return sum > 0.0L && 0.5L * logl(largest / sum) + (p->ggx ? 2.0L * log1pl(p->c_min * s) : p->c_min * s) >=
-                             VERIFY_LEAST_EXPONENT;
+    return sum > 0.0L &&
+           0.5L * logl(largest / sum) + (p->ggx ? 2.0L * log1pl(p->c_min * s) : p->c_min * s) >= VERIFY_LEAST_EXPONENT;
 }
 
 /* Smallest roughness of the model. */
@@ -230,15 +230,10 @@ static inline long double verify_random_sigma(struct verify_attack *attack, long
     long double low = attack->low, high = attack->high, u = verify_random(attack), sigma;
 
     switch ((int)(5.0L * verify_random(attack))) {
-    case 0:
-        return low + (high - low) * u;
-    case 1:
-        return low * powl(high / low, u);
-    case 2:
-        low = fmaxl(low, 1e-3L * high);
-        return low * powl(high / low, u);
-    case 3:
-        return u < 0.5L ? low : high;
+    case 0: return low + (high - low) * u;
+    case 1: return low * powl(high / low, u);
+    case 2: low = fmaxl(low, 1e-3L * high); return low * powl(high / low, u);
+    case 3: return u < 0.5L ? low : high;
     default:
         sigma = optimum * expl((u - 0.5L) * powl(10.0L, -8.0L * verify_random(attack)));
         return fminl(fmaxl(sigma, low), high);

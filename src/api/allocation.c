@@ -13,8 +13,8 @@ struct owned {
     unsigned char workspace[];
 };
 
-brdffit_status brdffit_fit_new(const brdffit_samples *samples, const brdffit_options *options,
-                               brdffit_result **result, brdffit_error *error)
+brdffit_status brdffit_fit_new(const brdffit_samples *samples, const brdffit_options *options, brdffit_result **result,
+                               brdffit_error *error)
 {
     struct owned *owned;
     brdffit_status status;

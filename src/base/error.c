@@ -3,8 +3,7 @@
  */
 #include "base/error.h"
 
-brdffit_status brdffit_fail_at(brdffit_error *error, const char *message, size_t sample, size_t channel,
-                               double value)
+brdffit_status brdffit_fail_at(brdffit_error *error, const char *message, size_t sample, size_t channel, double value)
 {
     if (error) {
         error->status = BRDFFIT_ERR_VALUE;

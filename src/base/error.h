@@ -10,7 +10,6 @@
 brdffit_status brdffit_fail(brdffit_error *error, brdffit_status status, const char *message);
 
 /* The same with BRDFFIT_ERR_VALUE and where: BRDFFIT_NONE for what does not apply. */
-brdffit_status brdffit_fail_at(brdffit_error *error, const char *message, size_t sample, size_t channel,
-                               double value);
+brdffit_status brdffit_fail_at(brdffit_error *error, const char *message, size_t sample, size_t channel, double value);
 
 #endif

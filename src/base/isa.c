@@ -9,19 +9,16 @@
 int brdffit_isa_runs(brdffit_isa isa)
 {
     switch (isa) {
-    case BRDFFIT_ISA_BASE:
-        return 1;
+    case BRDFFIT_ISA_BASE: return 1;
 #ifdef BRDFFIT_HAVE_AVX2
-    case BRDFFIT_ISA_AVX2:
-        return __builtin_cpu_supports("avx2") != 0;
+    case BRDFFIT_ISA_AVX2: return __builtin_cpu_supports("avx2") != 0;
 #endif
 #ifdef BRDFFIT_HAVE_AVX512
     case BRDFFIT_ISA_AVX512:
         return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                __builtin_cpu_supports("avx512vl");
 #endif
-    default:
-        return 0;
+    default: return 0;
     }
 }
 

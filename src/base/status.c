@@ -3,8 +3,7 @@
  */
 #include "brdffit.h"
 
-#define PICK(table, i) \
-    ((unsigned)(i) < sizeof(table) / sizeof((table)[0]) ? (table)[(unsigned)(i)] : "unknown")
+#define PICK(table, i) ((unsigned)(i) < sizeof(table) / sizeof((table)[0]) ? (table)[(unsigned)(i)] : "unknown")
 
 const char *brdffit_version(void)
 {
@@ -39,9 +38,8 @@ const char *brdffit_stop_string(brdffit_stop stop)
 
 const char *brdffit_skip_string(brdffit_skip reason)
 {
-    static const char *const text[BRDFFIT_SKIP_COUNT] = {
-        "zero_weight", "light_below_horizon", "view_below_horizon", "incidence",
-    };
+    static const char *const text[BRDFFIT_SKIP_COUNT] = {"zero_weight", "light_below_horizon", "view_below_horizon",
+                                                         "incidence"};
     return PICK(text, reason);
 }
 

@@ -48,7 +48,7 @@ const char *brdffit_texel_status_string(brdffit_texel_status status)
 }
 
 void brdffit_batch_layout(struct batch *batch, struct arena *arena, const brdffit_options *options, size_t samples,
-                         size_t channels)
+                          size_t channels)
 {
     size_t i;
 
@@ -69,8 +69,7 @@ void brdffit_batch_layout(struct batch *batch, struct arena *arena, const brdffi
 }
 
 static brdffit_status check(const brdffit_plan *plan, const brdffit_texels *t, const brdffit_texel_results *results,
-                            const void *workspace, size_t size, const brdffit_many_stats *stats,
-                            brdffit_error *error)
+                            const void *workspace, size_t size, const brdffit_many_stats *stats, brdffit_error *error)
 {
     if (!plan || !workspace || (stats && stats->struct_size != sizeof *stats)) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "plan or workspace is NULL, or stats of another version");
@@ -95,20 +94,20 @@ static brdffit_status check(const brdffit_plan *plan, const brdffit_texels *t, c
 }
 
 /* Three channels are what a camera has; any other number takes the second loop. */
-#define GATHER(type)                                                                                           \
-    do {                                                                                                       \
-        const type *from = (const type *)t->values + start;                                                    \
-                                                                                                               \
-        for (i = 0; i < samples && channels == 3; i++, from += t->sample_stride, values += 3) {                \
-            values[0] = (double)from[0] * scale;                                                               \
-            values[1] = (double)from[t->channel_stride] * scale;                                               \
-            values[2] = (double)from[2 * t->channel_stride] * scale;                                           \
-        }                                                                                                      \
-        for (; i < samples; i++, from += t->sample_stride, values += channels) {                               \
-            for (k = 0; k < channels; k++) {                                                                   \
-                values[k] = (double)from[(ptrdiff_t)k * t->channel_stride] * scale;                            \
-            }                                                                                                  \
-        }                                                                                                      \
+#define GATHER(type)                                                                                                   \
+    do {                                                                                                               \
+        const type *from = (const type *)t->values + start;                                                            \
+                                                                                                                       \
+        for (i = 0; i < samples && channels == 3; i++, from += t->sample_stride, values += 3) {                        \
+            values[0] = (double)from[0] * scale;                                                                       \
+            values[1] = (double)from[t->channel_stride] * scale;                                                       \
+            values[2] = (double)from[2 * t->channel_stride] * scale;                                                   \
+        }                                                                                                              \
+        for (; i < samples; i++, from += t->sample_stride, values += channels) {                                       \
+            for (k = 0; k < channels; k++) {                                                                           \
+                values[k] = (double)from[(ptrdiff_t)k * t->channel_stride] * scale;                                    \
+            }                                                                                                          \
+        }                                                                                                              \
     } while (0)
 
 void brdffit_batch_gather(const brdffit_texels *t, size_t texel, size_t samples, size_t channels, double *values)
@@ -118,15 +117,9 @@ void brdffit_batch_gather(const brdffit_texels *t, size_t texel, size_t samples,
     size_t i, k;
 
     switch (t->type) {
-    case BRDFFIT_TYPE_FLOAT:
-        GATHER(float);
-        break;
-    case BRDFFIT_TYPE_UINT16:
-        GATHER(uint16_t);
-        break;
-    default:
-        GATHER(double);
-        break;
+    case BRDFFIT_TYPE_FLOAT: GATHER(float); break;
+    case BRDFFIT_TYPE_UINT16: GATHER(uint16_t); break;
+    default: GATHER(double); break;
     }
 }
 
@@ -298,8 +291,8 @@ static void take(struct batch *batch, const brdffit_texels *texels, size_t texel
 }
 
 brdffit_status brdffit_batch_run(const brdffit_plan *plan, const brdffit_texels *texels,
-                                const brdffit_texel_results *results, void *workspace, size_t workspace_size,
-                                brdffit_many_stats *stats, brdffit_error *error)
+                                 const brdffit_texel_results *results, void *workspace, size_t workspace_size,
+                                 brdffit_many_stats *stats, brdffit_error *error)
 {
     static const struct batch_result masked = {.status = BRDFFIT_TEXEL_MASKED, .where = BRDFFIT_NONE};
     brdffit_status status = check(plan, texels, results, workspace, workspace_size, stats, error);

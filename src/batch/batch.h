@@ -46,18 +46,17 @@ struct batch {
 
 /* Lay a thread's workspace out in an arena (counting or real). */
 void brdffit_batch_layout(struct batch *batch, struct arena *arena, const brdffit_options *options, size_t samples,
-                         size_t channels);
+                          size_t channels);
 
 /* Values of one texel, samples x K, from whatever type and strides they have. */
-void brdffit_batch_gather(const brdffit_texels *texels, size_t texel, size_t samples, size_t channels,
-                         double *values);
+void brdffit_batch_gather(const brdffit_texels *texels, size_t texel, size_t samples, size_t channels, double *values);
 
 /* Fit the texels of the rows in use. */
 void brdffit_batch_tile(struct batch *batch);
 
 /* Fit the texel whose values are given by brdffit_fit(). */
 void brdffit_batch_general(const brdffit_plan *plan, struct batch *batch, const double *values,
-                          struct batch_result *result);
+                           struct batch_result *result);
 
 /* The public functions without the change of the floating-point environment (entry.c calls them). */
 ENVIRONMENT_APART size_t brdffit_plan_bytes(const brdffit_samples *geometry, const brdffit_options *options);
@@ -65,8 +64,8 @@ ENVIRONMENT_APART brdffit_status brdffit_plan_make(const brdffit_samples *geomet
                                                    void *memory, size_t size, const brdffit_plan **plan,
                                                    brdffit_error *error);
 ENVIRONMENT_APART brdffit_status brdffit_batch_run(const brdffit_plan *plan, const brdffit_texels *texels,
-                                                  const brdffit_texel_results *results, void *workspace,
-                                                  size_t workspace_size, brdffit_many_stats *stats,
-                                                  brdffit_error *error);
+                                                   const brdffit_texel_results *results, void *workspace,
+                                                   size_t workspace_size, brdffit_many_stats *stats,
+                                                   brdffit_error *error);
 
 #endif

@@ -129,7 +129,7 @@ static void screen(const struct batch_fast *f, const struct batch_tile *tile, st
 static double third_of(const double *c, size_t terms)
 {
     static const double binomial[BATCH_TERMS_MORE] = {0.0,  0.0,  0.0,  1.0,  4.0,   10.0,
-                                                     20.0, 35.0, 56.0, 84.0, 120.0, 165.0};
+                                                      20.0, 35.0, 56.0, 84.0, 120.0, 165.0};
     double sum = 0.0;
     size_t j;
 

@@ -158,9 +158,9 @@ static int fill_tables(struct batch_fast *f, double theta_low, double theta_high
     size_t w, m, node;
 
     for (node = 0; node <= f->windows; node++) {
-        double s = kernel_exp(node == f->windows ? theta_high
-                                                 : theta_low + (theta_high - theta_low) *
-                                                                   ((double)node / (double)f->windows));
+        double s = kernel_exp(node == f->windows
+                                  ? theta_high
+                                  : theta_low + (theta_high - theta_low) * ((double)node / (double)f->windows));
         double u, d = brdffit_batch_d(f, s, &u);
 
         if (!(d > 1e-6 * (d + u * u))) {
@@ -185,7 +185,7 @@ static int fill_tables(struct batch_fast *f, double theta_low, double theta_high
 }
 
 int brdffit_batch_fast_start(struct batch_fast *f, const brdffit_samples *geometry, const brdffit_options *o,
-                            struct reduced *r, double *values)
+                             struct reduced *r, double *values)
 {
     const struct lobe_kind *kind = brdffit_lobe_kind_of(o->distribution);
     brdffit_samples samples = *geometry;
@@ -226,14 +226,11 @@ const struct batch_kernels *brdffit_batch_kernels(brdffit_isa isa)
     isa = brdffit_isa_resolve(isa);
     switch (isa) {
 #ifdef BRDFFIT_HAVE_AVX2
-    case BRDFFIT_ISA_AVX2:
-        return &brdffit_batch_kernels_avx2;
+    case BRDFFIT_ISA_AVX2: return &brdffit_batch_kernels_avx2;
 #endif
 #ifdef BRDFFIT_HAVE_AVX512
-    case BRDFFIT_ISA_AVX512:
-        return &brdffit_batch_kernels_avx512;
+    case BRDFFIT_ISA_AVX512: return &brdffit_batch_kernels_avx512;
 #endif
-    default:
-        return &brdffit_batch_kernels_base;
+    default: return &brdffit_batch_kernels_base;
     }
 }

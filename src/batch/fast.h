@@ -96,7 +96,7 @@ void brdffit_batch_tile_layout(struct batch_tile *tile, struct arena *arena, siz
 /* Room that making the plan needs for a while, and the making; 0 when this geometry has no fast path. */
 void brdffit_batch_fast_scratch(struct reduced *reduced, double **values, struct arena *arena, size_t count);
 int brdffit_batch_fast_start(struct batch_fast *fast, const brdffit_samples *geometry, const brdffit_options *options,
-                            struct reduced *scratch, double *values);
+                             struct reduced *scratch, double *values);
 
 /* D(s) = |b phi - u a / |a||^2 from the samples themselves, so that nothing cancels; and u(s). */
 double brdffit_batch_d(const struct batch_fast *fast, double s, double *u);

@@ -33,7 +33,7 @@ static void keep(const brdffit_plan *plan, const brdffit_result *from, struct ba
 }
 
 void brdffit_batch_general(const brdffit_plan *plan, struct batch *batch, const double *values,
-                          struct batch_result *result)
+                           struct batch_result *result)
 {
     brdffit_samples samples = plan->geometry;
     brdffit_result fitted;

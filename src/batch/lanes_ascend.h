@@ -87,8 +87,8 @@ static void enter_window(const struct batch_fast *f, struct batch_tile *tile, st
 }
 
 /* Gain beyond sum omega^2, its slope and curvature by t. */
-LANES_INLINE void gain_at(const struct batch_fast *f, const struct batch_tile *tile, const struct ascent *c, size_t part,
-                    const vec *at, vec out[3])
+LANES_INLINE void gain_at(const struct batch_fast *f, const struct batch_tile *tile, const struct ascent *c,
+                          size_t part, const vec *at, vec out[3])
 {
     vec t = *at, zero = vec_set(0.0);
     struct taylor d = taylor_rows(c->d + part, BATCH_TERMS_D, t), u = taylor_rows(c->u + part, BATCH_TERMS, t), h;
@@ -116,8 +116,8 @@ LANES_INLINE void gain_at(const struct batch_fast *f, const struct batch_tile *t
 }
 
 /* Newton steps of the texels whose flag in `active` is 1, each inside its window. */
-LANES_INLINE void ascend_part(const struct batch_fast *f, const struct batch_tile *tile, struct ascent *c, const double *active,
-                       size_t part)
+LANES_INLINE void ascend_part(const struct batch_fast *f, const struct batch_tile *tile, struct ascent *c,
+                              const double *active, size_t part)
 {
     vec t = vec_load(c->t + part), best = t, one = vec_set(1.0), zero = vec_set(0.0), most, value[3], slope;
     vec_mask moves = vec_load(active + part) > zero;
@@ -144,8 +144,8 @@ LANES_INLINE void ascend_part(const struct batch_fast *f, const struct batch_til
 }
 
 /* Shapes at s into tile->phi, and D there: a sum of squares, so that nothing cancels. */
-LANES_INLINE void shapes_at(const struct batch_fast *f, struct batch_tile *tile, const double *at, size_t part, vec *u, vec *h,
-                      vec *d)
+LANES_INLINE void shapes_at(const struct batch_fast *f, struct batch_tile *tile, const double *at, size_t part, vec *u,
+                            vec *h, vec *d)
 {
     double inverse_a = f->root_a > 0.0 ? 1.0 / f->root_a : 0.0;
     vec s = vec_load(at + part);
@@ -172,7 +172,8 @@ LANES_INLINE void shapes_at(const struct batch_fast *f, struct batch_tile *tile,
 }
 
 /* Squared residuals of channel k with coefficients x of a / |a| and y of b phi. */
-LANES_INLINE vec residual_at(const struct batch_fast *f, const struct batch_tile *tile, size_t k, size_t part, vec x, vec y)
+LANES_INLINE vec residual_at(const struct batch_fast *f, const struct batch_tile *tile, size_t k, size_t part, vec x,
+                             vec y)
 {
     double inverse_a = f->root_a > 0.0 ? 1.0 / f->root_a : 0.0;
     size_t K = f->channels, M = f->distinct, m, i;
@@ -192,8 +193,8 @@ LANES_INLINE vec residual_at(const struct batch_fast *f, const struct batch_tile
 }
 
 /* Exact objective at s, from the residuals of every sample, and the coefficients of a / |a| and b phi. */
-static void evaluate(const struct batch_fast *f, struct batch_tile *tile, const double *at, double *x_out, double *y_out,
-                     double *objective)
+static void evaluate(const struct batch_fast *f, struct batch_tile *tile, const double *at, double *x_out,
+                     double *y_out, double *objective)
 {
     size_t K = f->channels, M = f->distinct, m, k, part;
 

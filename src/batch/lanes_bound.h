@@ -41,7 +41,7 @@ struct bound_texel {
     const double *n;      /* K x BATCH_TERMS, or BATCH_STRIDE_MORE */
     const double *omega, *norm, *third; /* K: omega, |I_k|, sup |n'''| / 6 */
     double gamma, slack;
-    double best, best_t;  /* gain at the centre of pieces: above the incumbent's, the ascent was in the wrong valley */
+    double best, best_t; /* gain at the centre of pieces: above the incumbent's, the ascent was in the wrong valley */
 };
 
 /* c: scalars. */
@@ -153,10 +153,15 @@ static void cut_evenly(double center, double half, struct pieces *p)
 static void cut_around(double t, struct pieces *p)
 {
     double far = 27.0 * GRADE;
-    const double cut[LANES + 1] = {-1.0, t > 0.0 ? t - far : t - 9.0 * GRADE, t > 0.0 ? t - 9.0 * GRADE : t - 3.0 * GRADE,
-                                   t > 0.0 ? t - 3.0 * GRADE : t - GRADE, t > 0.0 ? t - GRADE : t + GRADE,
-                                   t > 0.0 ? t + GRADE : t + 3.0 * GRADE, t > 0.0 ? t + 3.0 * GRADE : t + 9.0 * GRADE,
-                                   t > 0.0 ? t + 9.0 * GRADE : t + far, 1.0};
+    const double cut[LANES + 1] = {-1.0,
+                                   t > 0.0 ? t - far : t - 9.0 * GRADE,
+                                   t > 0.0 ? t - 9.0 * GRADE : t - 3.0 * GRADE,
+                                   t > 0.0 ? t - 3.0 * GRADE : t - GRADE,
+                                   t > 0.0 ? t - GRADE : t + GRADE,
+                                   t > 0.0 ? t + GRADE : t + 3.0 * GRADE,
+                                   t > 0.0 ? t + 3.0 * GRADE : t + 9.0 * GRADE,
+                                   t > 0.0 ? t + 9.0 * GRADE : t + far,
+                                   1.0};
     double low = -1.0;
     size_t l;
 

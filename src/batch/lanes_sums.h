@@ -159,8 +159,7 @@ static void node_gains(const struct batch_fast *f, struct batch_tile *tile)
                 }
             }
             for (j = 0; j < LANES; j++) {
-                vec_store(tile->gain + (block * LANES + j) * LANES + part,
-                          gain[j] * f->inverse_d[block * LANES + j]);
+                vec_store(tile->gain + (block * LANES + j) * LANES + part, gain[j] * f->inverse_d[block * LANES + j]);
             }
         }
     }

@@ -52,9 +52,20 @@ double brdffit_batch_d(const struct batch_fast *f, double s, double *u_of_s)
 /* cos(j pi / (2 terms)), 8, 12 or 16 terms, any j: the first quarter is tabulated. */
 static double cosine(size_t j, size_t terms)
 {
-    static const double of8[8] = {1.0, 0.980785280403230449, 0.923879532511286756, 0.831469612302545237, 0.707106781186547524, 0.555570233019602225, 0.382683432365089772, 0.195090322016128268};
-    static const double of12[12] = {1.0, 0.991444861373810411, 0.965925826289068287, 0.923879532511286756, 0.866025403784438647, 0.793353340291235165, 0.707106781186547524, 0.608761429008720639, 0.5, 0.382683432365089772, 0.258819045102520762, 0.130526192220051592};
-    static const double of16[16] = {1.0, 0.995184726672196886, 0.980785280403230449, 0.956940335732208865, 0.923879532511286756, 0.88192126434835503, 0.831469612302545237, 0.773010453362736961, 0.707106781186547524, 0.634393284163645498, 0.555570233019602225, 0.471396736825997649, 0.382683432365089772, 0.290284677254462368, 0.195090322016128268, 0.098017140329560602};
+    /* clang-format off */
+    static const double of8[8] = {
+        1.0, 0.980785280403230449, 0.923879532511286756, 0.831469612302545237,
+        0.707106781186547524, 0.555570233019602225, 0.382683432365089772, 0.195090322016128268};
+    static const double of12[12] = {
+        1.0, 0.991444861373810411, 0.965925826289068287, 0.923879532511286756,
+        0.866025403784438647, 0.793353340291235165, 0.707106781186547524, 0.608761429008720639,
+        0.5, 0.382683432365089772, 0.258819045102520762, 0.130526192220051592};
+    static const double of16[16] = {
+        1.0, 0.995184726672196886, 0.980785280403230449, 0.956940335732208865,
+        0.923879532511286756, 0.88192126434835503, 0.831469612302545237, 0.773010453362736961,
+        0.707106781186547524, 0.634393284163645498, 0.555570233019602225, 0.471396736825997649,
+        0.382683432365089772, 0.290284677254462368, 0.195090322016128268, 0.098017140329560602};
+    /* clang-format on */
     size_t turn = j % (4 * terms), half = turn > 2 * terms ? 4 * terms - turn : turn;
     size_t quarter = half > terms ? 2 * terms - half : half;
     double value = quarter == terms ? 0.0 : terms == 8 ? of8[quarter] : terms == 12 ? of12[quarter] : of16[quarter];
@@ -124,7 +135,7 @@ static double remainder_of(double x, size_t terms)
 
     return 1.01 * (terms == BATCH_TERMS        ? x8 / 5160960.0
                    : terms == BATCH_TERMS_MORE ? x8 * x4 / (479001600.0 * 2048.0)
-                                              : x8 * x8 / (20922789888000.0 * 32768.0));
+                                               : x8 * x8 / (20922789888000.0 * 32768.0));
 }
 
 /* exp(-c_m s) over window w, and the errors of it, n and u; with more terms or not. */
@@ -190,7 +201,8 @@ static void fill_geometry(struct batch_fast *f, size_t w, double snapped)
         largest = fmax(largest, f->c[m] * high * phi);
     }
     rounding = TOL_UNIT * (ROUNDING + 16.0 * largest + 4.0 * (double)f->used) + 4.0 * snapped * largest;
-    window->d_error = 1.01 * (h16 + 65536.0 * u16 * u0) + (h + u0 * u0 + magnitude(window->d, BATCH_TERMS_D)) * rounding;
+    window->d_error = 1.01 * (h16 + 65536.0 * u16 * u0) +
+                      (h + u0 * u0 + magnitude(window->d, BATCH_TERMS_D)) * rounding;
     window->d_third = third(window->d, BATCH_TERMS_D);
 }
 

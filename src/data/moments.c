@@ -14,8 +14,8 @@ static size_t shape_doubles(size_t stride, uint32_t capacity)
     return stride < LIMIT_SHAPE_DOUBLES / capacity ? stride * capacity : LIMIT_SHAPE_DOUBLES;
 }
 
-void brdffit_moments_layout(struct moments *m, struct arena *arena, size_t count, size_t channels,
-                            uint32_t capacity, int lobes)
+void brdffit_moments_layout(struct moments *m, struct arena *arena, size_t count, size_t channels, uint32_t capacity,
+                            int lobes)
 {
     size_t stride = PADDED(count);
 

@@ -83,8 +83,7 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
     for (i = 0; i < s->count; i++) {
         struct geometry g = {0.0, 0.0, 0.0, 0.0};
         brdffit_status status;
-        brdffit_skip skip =
-            brdffit_geometry_sample(s, options->distribution, min_cosine, i, &g, &status, error);
+        brdffit_skip skip = brdffit_geometry_sample(s, options->distribution, min_cosine, i, &g, &status, error);
 
         if (status != BRDFFIT_OK) {
             return status;
@@ -111,8 +110,7 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
 }
 
 /* Divisor of each channel; with NORMALISE_NONE one power of two for all, undone in the result. */
-brdffit_status brdffit_reduce_channel_scales(struct reduced *r, const brdffit_options *options,
-                                             brdffit_error *error)
+brdffit_status brdffit_reduce_channel_scales(struct reduced *r, const brdffit_options *options, brdffit_error *error)
 {
     double magnitude = vector_largest(r->ii, r->channels);
     size_t k;
@@ -132,8 +130,8 @@ brdffit_status brdffit_reduce_channel_scales(struct reduced *r, const brdffit_op
                                    r->ii[k]);
         }
         if (!(r->ii[k] / r->channel_scale[k] <= LIMIT_VALUE)) {
-            return brdffit_fail_at(error, "a channel's values span more than 150 orders of magnitude",
-                                   BRDFFIT_NONE, k, r->ii[k]);
+            return brdffit_fail_at(error, "a channel's values span more than 150 orders of magnitude", BRDFFIT_NONE, k,
+                                   r->ii[k]);
         }
     }
     return BRDFFIT_OK;
@@ -167,8 +165,8 @@ static brdffit_status choose_scales(struct reduced *r, const brdffit_samples *s,
         double b = r->sample_b[j] / r->scale_b * root;
 
         if (r->sample_b[j] > 0.0 && !(b * LIMIT_COEFFICIENT_RATIO >= 1.0)) {
-            return brdffit_fail_at(error, "b (with its weight) spans more than 140 orders of magnitude",
-                                   r->sample[j], BRDFFIT_NONE, r->sample_b[j]);
+            return brdffit_fail_at(error, "b (with its weight) spans more than 140 orders of magnitude", r->sample[j],
+                                   BRDFFIT_NONE, r->sample_b[j]);
         }
         r->sample_a[j] = r->sample_a[j] / r->scale_a * root;
         r->sample_b[j] = b;
@@ -245,8 +243,8 @@ void brdffit_reduce_snap(struct reduced *r)
     }
 }
 
-brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples,
-                              const brdffit_options *options, brdffit_error *error)
+brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples, const brdffit_options *options,
+                              brdffit_error *error)
 {
     brdffit_status status = classify(reduced, samples, options, error);
 

@@ -63,8 +63,8 @@ struct reduced {
 
 void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels);
 
-brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples,
-                              const brdffit_options *options, brdffit_error *error);
+brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples, const brdffit_options *options,
+                              brdffit_error *error);
 
 /* Leave to the bounds only the channels that they need. `linear` is changed in place: once after each reduction. */
 void brdffit_reduce_channels(struct reduced *reduced);

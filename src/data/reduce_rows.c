@@ -128,8 +128,7 @@ static void fold(struct reduced *r, const brdffit_samples *samples, size_t begin
     }
 }
 
-static void triangle_rows(struct reduced *r, const brdffit_samples *samples, size_t begin, size_t end,
-                          uint32_t group)
+static void triangle_rows(struct reduced *r, const brdffit_samples *samples, size_t begin, size_t end, uint32_t group)
 {
     size_t width = r->channels + 2, place, i, k;
 

@@ -77,8 +77,8 @@ struct channel_sums {
     struct sum ai, ii, positive, negative;
 };
 
-static struct channel_sums channel_sums(const struct reduced *r, const brdffit_samples *samples, size_t k,
-                                        size_t begin, size_t end)
+static struct channel_sums channel_sums(const struct reduced *r, const brdffit_samples *samples, size_t k, size_t begin,
+                                        size_t end)
 {
     struct channel_sums s = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
     size_t place = begin;

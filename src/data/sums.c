@@ -208,8 +208,7 @@ static int add_products(struct brdffit_sums *s, const struct geometry *g, double
     return parts > 0;
 }
 
-static brdffit_status add_sample(struct brdffit_sums *s, const brdffit_samples *samples, size_t i,
-                                 brdffit_error *error)
+static brdffit_status add_sample(struct brdffit_sums *s, const brdffit_samples *samples, size_t i, brdffit_error *error)
 {
     struct geometry g = {0.0, 0.0, 0.0, 0.0};
     brdffit_status status;
@@ -229,8 +228,9 @@ static brdffit_status add_sample(struct brdffit_sums *s, const brdffit_samples *
         return status;
     }
     if (!add_products(s, &g, w, samples->values + i * s->channels, to_radiance)) {
-        (void)brdffit_fail_at(error, s->bits ? "the samples need more bins than the sums have groups"
-                                             : "the samples have more distinct c than the sums have groups",
+        (void)brdffit_fail_at(error,
+                              s->bits ? "the samples need more bins than the sums have groups"
+                                      : "the samples have more distinct c than the sums have groups",
                               i, BRDFFIT_NONE, g.c);
         return error ? (error->status = BRDFFIT_ERR_WORKSPACE) : BRDFFIT_ERR_WORKSPACE;
     }

@@ -39,8 +39,10 @@ struct brdffit_sums {
     size_t slots;            /* a power of two > 1.5 x capacity */
     size_t recent;           /* group found last */
 
-    int bits;                /* 0: every c has its group; else nodes have that many bits after the first (sums_bins.c) */
-    size_t exact, exact_used; /* groups 0 .. exact - 1 are those of the smallest c, by themselves and not in `slot` */
+    int bits;                /* 0: every c has its group; else nodes have that many bits after the first
+                                (sums_bins.c) */
+    size_t exact, exact_used; /* groups 0 .. exact - 1 are those of the smallest c, by themselves and not in
+                                 `slot` */
     uint32_t *ascending;     /* exact_used groups in ascending c */
     struct sums_pair *cell;  /* capacity: sum w b^2 of the samples between the node and the next */
 

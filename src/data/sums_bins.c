@@ -17,7 +17,8 @@
 #include "data/sums.h"
 
 #define BITS_MOST 20
-#define LEAST (-1000) /* 2 to that: the narrowest cell. Node 0, below it, counts as a wide one, which errs on the safe side */
+/* 2 to that: the narrowest cell. Node 0, below it, counts as a wide one, which errs on the safe side. */
+#define LEAST (-1000)
 
 brdffit_status brdffit_sums_bins(brdffit_sums *s, int bits, brdffit_error *error)
 {

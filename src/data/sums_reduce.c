@@ -148,8 +148,7 @@ static int factor_channel(const struct gram *g, double ai, double bi, double ii,
     across = bi - rab * q[0];
     q[1] = rb > 0.0 ? across / rb : 0.0;
     *rest = ii - q[0] * q[0] - q[1] * q[1];
-    return *rest >= -16.0 * TOL_UNIT * ii &&
-           (rb > 0.0 || fabs(across) <= 16.0 * TOL_UNIT * sqrt(g->bb) * sqrt(ii));
+    return *rest >= -16.0 * TOL_UNIT * ii && (rb > 0.0 || fabs(across) <= 16.0 * TOL_UNIT * sqrt(g->bb) * sqrt(ii));
 }
 
 /* Two rows of a group at least; those of the shift that is enough for every channel. Adds the remainders to rest. */
@@ -169,7 +168,8 @@ static void add_rows(struct reduced *r, const struct sums_pair *sum, size_t j, c
         g.bb = exact->bb * grown;
         fine = 1;
         for (k = 0; k < r->channels && fine; k++) {
-            double q[2], bi = scaled(r, sum, k, SUMS_POSITIVE, r->scale_b) - scaled(r, sum, k, SUMS_NEGATIVE, r->scale_b);
+            double q[2],
+                bi = scaled(r, sum, k, SUMS_POSITIVE, r->scale_b) - scaled(r, sum, k, SUMS_NEGATIVE, r->scale_b);
 
             fine = factor_channel(&g, scaled(r, sum, k, SUMS_AI, r->scale_a), bi,
                                   scaled(r, sum, k, SUMS_II, 1.0) * grown, q, &left);
@@ -183,8 +183,8 @@ static void add_rows(struct reduced *r, const struct sums_pair *sum, size_t j, c
     for (k = 0; k < r->channels; k++) {
         double q[2], bi = scaled(r, sum, k, SUMS_POSITIVE, r->scale_b) - scaled(r, sum, k, SUMS_NEGATIVE, r->scale_b);
 
-        (void)factor_channel(&g, scaled(r, sum, k, SUMS_AI, r->scale_a), bi, scaled(r, sum, k, SUMS_II, 1.0) * grown,
-                             q, &left);
+        (void)factor_channel(&g, scaled(r, sum, k, SUMS_AI, r->scale_a), bi, scaled(r, sum, k, SUMS_II, 1.0) * grown, q,
+                             &left);
         r->row_value[k * r->used + row] = q[0];
         r->row_value[k * r->used + row + 1] = q[1];
         sums_add(&rest[k], fmax(0.0, left));

@@ -50,7 +50,8 @@ static brdffit_status check_row(const struct brdffit_sums *s, const brdffit_row 
     for (i = 0; i < s->channels; i++) {
         fine = fine && row->entries[i] && row->scale[i] > 0.0 && isfinite(row->scale[i]);
     }
-    return fine ? BRDFFIT_OK : brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "row: a sine, cosine or scale is out of range");
+    return fine ? BRDFFIT_OK
+                : brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "row: a sine, cosine or scale is out of range");
 }
 
 /* The azimuths of one strip after another, up to TABLE_ROW_CELLS at a time. */
@@ -203,7 +204,7 @@ static void sweep(struct brdffit_sums *s, const brdffit_row *row, const struct g
 }
 
 brdffit_status brdffit_sums_add_row_run(brdffit_sums *s, const brdffit_row *row, size_t cells[BRDFFIT_CELL_COUNT],
-                                    brdffit_error *error)
+                                        brdffit_error *error)
 {
     brdffit_status status = check_row(s, row, error);
     struct geometry_table_row shared;
@@ -235,7 +236,8 @@ brdffit_status brdffit_sums_add_row_run(brdffit_sums *s, const brdffit_row *row,
     if (s->totals.used > 0) {
         group = brdffit_sums_find(s, shared.c);
         if (group == s->capacity) {
-            return brdffit_fail(error, BRDFFIT_ERR_WORKSPACE, "the rows have more distinct c than the sums have groups");
+            return brdffit_fail(error, BRDFFIT_ERR_WORKSPACE,
+                                "the rows have more distinct c than the sums have groups");
         }
         join(s, group, shared.factor);
     }

@@ -101,7 +101,7 @@ struct table_row_sweep {
 
 /* Cells of which some may be above the horizon and, unless beyond_limit, some may count. Leaves l and b. */
 LANES_INLINE void table_row_cells(const struct strip *s, enum table_row_kind kind, size_t p, vec_mask negative,
-                              int beyond_limit, double *l, double *b, struct table_row_sweep *w)
+                                  int beyond_limit, double *l, double *b, struct table_row_sweep *w)
 {
     vec cosine = vec_load(s->cosine + p), swing = cosine * s->across;
     vec light = s->upright - swing, view = s->upright + swing, horizon = vec_set(s->horizon), lobe;
@@ -125,8 +125,8 @@ LANES_INLINE void table_row_cells(const struct strip *s, enum table_row_kind kin
 }
 
 /* The sweep over geometry in lanes `lane` .. `lane` + VEC - 1. */
-LANES_INLINE struct table_row_range table_row_lanes(const struct strip *s, enum table_row_kind kind, size_t channels, size_t lane,
-                                            double *l, double *b, struct table_row_totals *t)
+LANES_INLINE struct table_row_range table_row_lanes(const struct strip *s, enum table_row_kind kind, size_t channels,
+                                                    size_t lane, double *l, double *b, struct table_row_totals *t)
 {
     struct table_row_sweep w = {{0.0}, {0.0}, {0.0}, {0.0}, {0.0}, {0}, {0}, {0}};
     struct table_row_range range = {0, 0};
@@ -176,7 +176,7 @@ LANES_INLINE struct table_row_range table_row_lanes(const struct strip *s, enum 
 
 /* A channel in lanes `lane` .. `lane` + VEC - 1. */
 LANES_INLINE void table_row_channel(const struct strip *s, size_t channel, size_t lane, struct table_row_range range,
-                                const double *l, const double *b, struct table_row_totals *t)
+                                    const double *l, const double *b, struct table_row_totals *t)
 {
     size_t first = LANES * (4 + 3 * channel) + lane, p;
     double *high = t->high + first, *low = t->low + first, *largest = t->largest + LANES * channel + lane;
@@ -197,7 +197,8 @@ LANES_INLINE void table_row_channel(const struct strip *s, size_t channel, size_
 }
 
 /* The copy is nobody else's: no store can change it, so its members may stay in registers. */
-LANES_INLINE void table_row_add(const struct strip *strip, enum table_row_kind kind, size_t channels, struct table_row_totals *t)
+LANES_INLINE void table_row_add(const struct strip *strip, enum table_row_kind kind, size_t channels,
+                                struct table_row_totals *t)
 {
     const struct strip s = *strip;
     double l[TABLE_ROW_CELLS], b[TABLE_ROW_CELLS];

@@ -81,8 +81,7 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
             }
             continue;
         }
-        eval_one(model, kind, &g, at->quantity == BRDFFIT_QUANTITY_BRDF ? g.cos_light : 1.0,
-                 out + i * model->channels);
+        eval_one(model, kind, &g, at->quantity == BRDFFIT_QUANTITY_BRDF ? g.cos_light : 1.0, out + i * model->channels);
     }
     return BRDFFIT_OK;
 }
@@ -109,8 +108,7 @@ brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit
     min_cosine = brdffit_geometry_min_cosine(options->max_incidence);
     for (i = 0; i < samples->count; i++) {
         struct geometry g;
-        brdffit_skip skip =
-            brdffit_geometry_sample(samples, options->distribution, min_cosine, i, &g, &status, error);
+        brdffit_skip skip = brdffit_geometry_sample(samples, options->distribution, min_cosine, i, &g, &status, error);
 
         if (status != BRDFFIT_OK) {
             return status;

@@ -56,9 +56,10 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
     brdffit_axis_start(&f->axis, f->theta_low, f->theta_high, first_intervals(o));
     status = brdffit_fit_engine_start(f, o, engine);
     if (status != BRDFFIT_OK) {
-        return brdffit_fail(error, status, status == BRDFFIT_ERR_UNSUPPORTED
-                                               ? "norms l1 and linf and engine socp need ECOS, which this build is without"
-                                               : "ECOS could not set up its solver");
+        return brdffit_fail(error, status,
+                            status == BRDFFIT_ERR_UNSUPPORTED
+                                ? "norms l1 and linf and engine socp need ECOS, which this build is without"
+                                : "ECOS could not set up its solver");
     }
     rules->relative_gap = o->relative_gap;
     rules->absolute_gap = o->absolute_gap * f->data.total;
@@ -71,8 +72,8 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
     return BRDFFIT_OK;
 }
 
-static brdffit_status check_call(const brdffit_samples *samples, const brdffit_options *options,
-                                 const void *workspace, size_t size, const void *result, brdffit_error *error)
+static brdffit_status check_call(const brdffit_samples *samples, const brdffit_options *options, const void *workspace,
+                                 size_t size, const void *result, brdffit_error *error)
 {
     brdffit_status status = brdffit_options_check(options, error);
     size_t needed;

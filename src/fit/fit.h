@@ -36,9 +36,9 @@ struct fit {
     const struct lobe_kind *kind;
     brdffit_norm norm;
     double theta_low, theta_high; /* domain of the search; the tail counts as its end */
-    double theta_flat;            /* beyond theta_high nothing changes up to here: the end of the range, or of finite y */
-    double theta_tail;            /* end of the options' range */
-    double *x, *y, *rms;          /* K, K x P, K: the result's arrays */
+    double theta_flat; /* beyond theta_high nothing changes up to here: the end of the range, or of finite y */
+    double theta_tail; /* end of the options' range */
+    double *x, *y, *rms; /* K, K x P, K: the result's arrays */
     struct observer observer;
 };
 
@@ -96,11 +96,11 @@ ENVIRONMENT_APART brdffit_status brdffit_fit_run(const brdffit_samples *samples,
                                                  void *workspace, size_t workspace_size, brdffit_result *result,
                                                  brdffit_error *error);
 ENVIRONMENT_APART brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_options *options,
-                                                      void *workspace, size_t workspace_size,
-                                                      brdffit_result *result, brdffit_error *error);
+                                                      void *workspace, size_t workspace_size, brdffit_result *result,
+                                                      brdffit_error *error);
 ENVIRONMENT_APART brdffit_status brdffit_verify_run(const brdffit_samples *samples, const brdffit_options *options,
-                                                     double level, void *workspace, size_t workspace_size,
-                                                     brdffit_reproof *reproof, brdffit_error *error);
+                                                    double level, void *workspace, size_t workspace_size,
+                                                    brdffit_reproof *reproof, brdffit_error *error);
 ENVIRONMENT_APART brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit_options *options,
                                                      size_t *used, size_t skipped[BRDFFIT_SKIP_COUNT],
                                                      brdffit_error *error);

@@ -42,8 +42,8 @@ size_t brdffit_sums_workspace_size(const brdffit_sums *sums, const brdffit_optio
     return sums ? brdffit_workspace_size(brdffit_sums_rows(sums), sums->channels, options) : 0;
 }
 
-static brdffit_status check_call(const brdffit_sums *sums, const brdffit_options *o, const void *workspace,
-                                 size_t size, const brdffit_result *result, brdffit_error *error)
+static brdffit_status check_call(const brdffit_sums *sums, const brdffit_options *o, const void *workspace, size_t size,
+                                 const brdffit_result *result, brdffit_error *error)
 {
     brdffit_status status = brdffit_options_check(o, error);
     size_t needed;
@@ -61,7 +61,8 @@ static brdffit_status check_call(const brdffit_sums *sums, const brdffit_options
         return brdffit_fail(error, BRDFFIT_ERR_OPTION, "the sums were made for another distribution or max_incidence");
     }
     if (sums->bits && o->box) {
-        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "boxes of binned sums would be shown without the remainder");
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
+                            "boxes of binned sums would be shown without the remainder");
     }
     needed = brdffit_sums_workspace_size(sums, o);
     if (needed == 0) {

@@ -111,8 +111,8 @@ brdffit_status brdffit_options_check(const brdffit_options *o, brdffit_error *er
 static uint32_t node_capacity(const brdffit_options *o)
 {
     size_t cap = o->engine == BRDFFIT_ENGINE_SOCP || o->norm != BRDFFIT_NORM_L2 ? LIMIT_NODES_SOCP
-                 : o->lobes > 1                   ? LIMIT_NODES_TWO
-                                                  : LIMIT_NODES_ONE;
+                 : o->lobes > 1                                                 ? LIMIT_NODES_TWO
+                                                                                : LIMIT_NODES_ONE;
     size_t wanted = o->box_budget < cap ? o->box_budget + FIRST_INTERVALS + 2 : cap;
 
     return (uint32_t)(wanted < cap ? wanted : cap);
@@ -126,8 +126,7 @@ static size_t heap_capacity(const brdffit_options *o)
     return wanted < LIMIT_HEAP ? wanted : LIMIT_HEAP;
 }
 
-void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t channels,
-                        const brdffit_options *o)
+void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t channels, const brdffit_options *o)
 {
     uint32_t nodes = node_capacity(o);
 

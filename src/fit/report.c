@@ -115,7 +115,8 @@ static unsigned move_to_largest(struct fit *f, struct point *at, const struct le
     int p;
 
     for (p = 0; p < f->varpro.lobes; p++) {
-        if (!(curved >> p & 1) && flat_towards(f, at, p, f->theta_low, level) && flat_towards(f, at, p, f->theta_high, level)) {
+        if (!(curved >> p & 1) && flat_towards(f, at, p, f->theta_low, level) &&
+            flat_towards(f, at, p, f->theta_high, level)) {
             at->theta[p] = flat_end(f, at, p, f->theta_low, level);
             flat |= 1u << p;
         }
@@ -322,8 +323,8 @@ static void publish(struct fit *f, const brdffit_options *o, brdffit_result *res
     }
 }
 
-void brdffit_report(struct fit *f, const brdffit_options *o, double objective_scale,
-                    const struct search_result *found, brdffit_result *result)
+void brdffit_report(struct fit *f, const brdffit_options *o, double objective_scale, const struct search_result *found,
+                    brdffit_result *result)
 {
     static const brdffit_result zero;
     struct point at = found->point;

@@ -108,8 +108,8 @@ static void reprove(struct fit *f, const brdffit_options *o, struct search_rules
 }
 
 brdffit_status brdffit_verify_run(const brdffit_samples *samples, const brdffit_options *options, double level,
-                                   void *workspace, size_t workspace_size, brdffit_reproof *reproof,
-                                   brdffit_error *error)
+                                  void *workspace, size_t workspace_size, brdffit_reproof *reproof,
+                                  brdffit_error *error)
 {
     static const brdffit_reproof zero;
     struct search_rules rules;

@@ -18,8 +18,7 @@ brdffit_status brdffit_io_fail_at(brdffit_error *error, brdffit_status status, c
     return status;
 }
 
-brdffit_status brdffit_io_fail_value(brdffit_error *error, brdffit_status status, const char *message,
-                                     double value)
+brdffit_status brdffit_io_fail_value(brdffit_error *error, brdffit_status status, const char *message, double value)
 {
     static const struct io_place nowhere = IO_NOWHERE;
 

@@ -15,8 +15,7 @@ struct io_place {
 
 /* All return `status`; `error` may be NULL. */
 brdffit_status brdffit_io_fail(brdffit_error *error, brdffit_status status, const char *message);
-brdffit_status brdffit_io_fail_value(brdffit_error *error, brdffit_status status, const char *message,
-                                     double value);
+brdffit_status brdffit_io_fail_value(brdffit_error *error, brdffit_status status, const char *message, double value);
 brdffit_status brdffit_io_fail_at(brdffit_error *error, brdffit_status status, const char *message,
                                   const struct io_place *place, double value);
 

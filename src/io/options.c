@@ -38,18 +38,19 @@ static brdffit_status vector_check(const double *v, size_t sample, const char *m
     }
     place.sample = sample;
     return brdffit_io_fail_at(error, BRDFFIT_ERR_VALUE, message, &place,
-                              !isfinite(v[0]) ? v[0] : !isfinite(v[1]) ? v[1] : v[2]);
+                              !isfinite(v[0])   ? v[0]
+                              : !isfinite(v[1]) ? v[1]
+                                                : v[2]);
 }
 
 static brdffit_status direction_check(const brdffit_samples *at, size_t i, brdffit_error *error)
 {
     struct io_place place = IO_NOWHERE;
-    brdffit_status status =
-        vector_check(at->light + 3 * i, i, "a requested light direction is not finite or has no length", error);
+    brdffit_status status = vector_check(at->light + 3 * i, i,
+                                         "a requested light direction is not finite or has no length", error);
 
     if (status == BRDFFIT_OK) {
-        status = vector_check(at->view + 3 * i, i, "a requested view direction is not finite or has no length",
-                              error);
+        status = vector_check(at->view + 3 * i, i, "a requested view direction is not finite or has no length", error);
     }
     if (status == BRDFFIT_OK && at->normal) {
         status = vector_check(at->normal + 3 * i, i, "a requested normal is not finite or has no length", error);
@@ -73,8 +74,7 @@ static brdffit_status directions_check(const brdffit_samples *at, brdffit_error 
         return brdffit_io_fail(error, BRDFFIT_ERR_ARGUMENT, "directions: a struct of another version's size");
     }
     if (at->form != BRDFFIT_FORM_DIRECTIONS || !at->light || !at->view) {
-        return brdffit_io_fail(error, BRDFFIT_ERR_ARGUMENT,
-                               "directions: must be given as light and view vectors");
+        return brdffit_io_fail(error, BRDFFIT_ERR_ARGUMENT, "directions: must be given as light and view vectors");
     }
     if (at->count == 0) {
         return brdffit_io_fail(error, BRDFFIT_ERR_NO_SAMPLES, "directions: there are none");
@@ -89,8 +89,7 @@ static brdffit_status directions_check(const brdffit_samples *at, brdffit_error 
     return BRDFFIT_OK;
 }
 
-brdffit_status brdffit_io_options_check(const brdffit_io_options *given, brdffit_io_options *out,
-                                        brdffit_error *error)
+brdffit_status brdffit_io_options_check(const brdffit_io_options *given, brdffit_io_options *out, brdffit_error *error)
 {
     brdffit_io_options_init(out);
     if (!given) {
@@ -112,6 +111,5 @@ brdffit_status brdffit_io_options_check(const brdffit_io_options *given, brdffit
     if ((unsigned)out->merl_sampling > BRDFFIT_IO_MERL_DIRECTIONS) {
         return brdffit_io_fail(error, BRDFFIT_ERR_OPTION, "unknown sampling of MERL tables");
     }
-    return out->merl_sampling == BRDFFIT_IO_MERL_DIRECTIONS ? directions_check(out->directions, error)
-                                                            : BRDFFIT_OK;
+    return out->merl_sampling == BRDFFIT_IO_MERL_DIRECTIONS ? directions_check(out->directions, error) : BRDFFIT_OK;
 }

@@ -7,7 +7,6 @@
 #include "brdffit_io.h"
 
 /* Copy `given` (NULL: the defaults) to `out` after checking every field, the directions' vectors included. */
-brdffit_status brdffit_io_options_check(const brdffit_io_options *given, brdffit_io_options *out,
-                                        brdffit_error *error);
+brdffit_status brdffit_io_options_check(const brdffit_io_options *given, brdffit_io_options *out, brdffit_error *error);
 
 #endif

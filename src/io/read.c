@@ -62,8 +62,7 @@ brdffit_status brdffit_io_parse(const unsigned char *data, size_t size, const br
 
 /* Content as it came: gzip is looked through. `owner`, when given, holds the data and is freed early. */
 static brdffit_status unpack_and_parse(const unsigned char *data, size_t size, struct io_bytes *owner,
-                                       const brdffit_io_options *options, brdffit_table **out,
-                                       brdffit_error *error)
+                                       const brdffit_io_options *options, brdffit_table **out, brdffit_error *error)
 {
     struct io_bytes unpacked = {NULL, 0, 0};
     brdffit_status status;

@@ -160,9 +160,8 @@ ENVIRONMENT_APART static brdffit_status read_sums(const char *path, const brdffi
 }
 
 ENVIRONMENT_APART static brdffit_status read_sums_memory(const void *data, size_t size,
-                                                         const brdffit_io_options *options,
-                                                         const brdffit_options *fit, brdffit_table **table,
-                                                         brdffit_error *error)
+                                                         const brdffit_io_options *options, const brdffit_options *fit,
+                                                         brdffit_table **table, brdffit_error *error)
 {
     struct io_map map = {data, size, 1};
     struct io_bytes none = {NULL, 0, 0};

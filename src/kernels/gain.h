@@ -94,7 +94,7 @@ LANES_INLINE vec gain_triple(const struct gram3_vec *g, vec t0, vec t1, vec t2)
     vec_mask feasible = (g->det > zero) & (z0 > zero) & (z1 > zero) & (z2 > zero);
     /* The quadratic at z, not t.z: an error of z enters only squared. */
     vec value = z0 * (2.0 * t0 - z0 - 2.0 * (g->cosine[0] * z1 + g->cosine[1] * z2)) +
-                  z1 * (2.0 * t1 - z1 - 2.0 * g->cosine[2] * z2) + z2 * (2.0 * t2 - z2);
+                z1 * (2.0 * t1 - z1 - 2.0 * g->cosine[2] * z2) + z2 * (2.0 * t2 - z2);
 
     return (vec)(feasible & (vec_mask)value);
 }

@@ -13,14 +13,11 @@ const struct kernels *brdffit_kernels(brdffit_isa isa)
     }
     switch (isa) {
 #ifdef BRDFFIT_HAVE_AVX2
-    case BRDFFIT_ISA_AVX2:
-        return &brdffit_kernels_avx2;
+    case BRDFFIT_ISA_AVX2: return &brdffit_kernels_avx2;
 #endif
 #ifdef BRDFFIT_HAVE_AVX512
-    case BRDFFIT_ISA_AVX512:
-        return &brdffit_kernels_avx512;
+    case BRDFFIT_ISA_AVX512: return &brdffit_kernels_avx512;
 #endif
-    default:
-        return &brdffit_kernels_base;
+    default: return &brdffit_kernels_base;
     }
 }

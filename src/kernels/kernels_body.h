@@ -7,6 +7,6 @@
 #include "kernels/sum_loops.h"
 
 const struct kernels KERNELS = {
-    exponential_shape, ggx_shape, ggx_slopes, weigh,     central, functionals, pair,      gains_two, climb_two,
-    gains_one,         climb_one, dot,     magnitude,   subtract, scale,
+    exponential_shape, ggx_shape, ggx_slopes, weigh, central,   functionals, pair,  gains_two,
+    climb_two,         gains_one, climb_one,  dot,   magnitude, subtract,    scale,
 };

@@ -14,8 +14,8 @@ double brdffit_exponential_tail(const double *c, const double *bb, size_t m, dou
 double brdffit_exponential_exponent(double c_min, double s);
 
 /* The members of struct lobe_kind that are these. */
-#define EXPONENTIAL_MEMBERS                                                                                           \
-    .exponential = 1, .variable = brdffit_exponential_variable, .shape = brdffit_exponential_shape,                   \
+#define EXPONENTIAL_MEMBERS                                                                                            \
+    .exponential = 1, .variable = brdffit_exponential_variable, .shape = brdffit_exponential_shape,                    \
     .slope = brdffit_exponential_slope, .exponent = brdffit_exponential_exponent, .tail = brdffit_exponential_tail
 
 #endif

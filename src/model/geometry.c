@@ -163,8 +163,7 @@ static brdffit_status angles_given(const brdffit_samples *s, size_t i, struct ge
     return BRDFFIT_OK;
 }
 
-static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, struct geometry *out,
-                                         brdffit_error *error)
+static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, struct geometry *out, brdffit_error *error)
 {
     out->a = s->a[i];
     out->b = s->b[i];
@@ -182,9 +181,8 @@ static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, str
     return BRDFFIT_OK;
 }
 
-brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribution distribution,
-                                     double min_cosine, size_t i, struct geometry *out,
-                                     brdffit_status *status, brdffit_error *error)
+brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribution distribution, double min_cosine,
+                                     size_t i, struct geometry *out, brdffit_status *status, brdffit_error *error)
 {
     struct geometry_angles angles;
 

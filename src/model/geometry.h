@@ -28,8 +28,8 @@ brdffit_status brdffit_geometry_check(const brdffit_samples *samples, int need_v
  * or out of range, sets *status and *error. min_cosine: cosine of the largest incidence, 0 for none.
  */
 brdffit_skip brdffit_geometry_sample(const brdffit_samples *samples, brdffit_distribution distribution,
-                                     double min_cosine, size_t i, struct geometry *out,
-                                     brdffit_status *status, brdffit_error *error);
+                                     double min_cosine, size_t i, struct geometry *out, brdffit_status *status,
+                                     brdffit_error *error);
 
 /* Cosine to compare n.l with, from degrees; 0 switches the test off. */
 double brdffit_geometry_min_cosine(double max_incidence);

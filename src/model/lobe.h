@@ -55,7 +55,8 @@ struct lobe_kind {
     void (*shape)(const struct kernels *kernels, const double *c, size_t n, double u, double *phi);
 
     /* -ell and slope at each c; NULL for exponential ones. */
-    void (*slopes)(const struct kernels *kernels, const double *c, size_t n, double u, double *minus_ell, double *slope);
+    void (*slopes)(const struct kernels *kernels, const double *c, size_t n, double u, double *minus_ell,
+                   double *slope);
 
     /* ell and slope at one c. */
     void (*slope)(double c, double u, double *ell, double *slope);

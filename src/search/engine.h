@@ -13,9 +13,9 @@ struct engine {
     int lobes;
 
     /*
-     * On entry box->bound is what would close the box: more is not asked for. Set it to a proven lower bound of the objective for every point of box->interval, and box->split
-     * to the lobe whose interval had better be split. Returns the smallest (approximate) objective met on the
-     * way and its point in *met, or infinity.
+     * On entry box->bound is what would close the box: more is not asked for. Set it to a proven lower bound of the
+     * objective for every point of box->interval, and box->split to the lobe whose interval had better be split.
+     * Returns the smallest (approximate) objective met on the way and its point in *met, or infinity.
      */
     double (*bound)(void *self, struct box *box, struct point *met);
 

@@ -246,11 +246,17 @@ static brdffit_stop why_stopped(const struct search *s)
     return s->spent ? BRDFFIT_STOP_BUDGET : s->stuck_by;
 }
 
-void brdffit_search(struct axis *axis, struct heap *heap, const struct engine *engine,
-                    const struct search_rules *rules, struct search_result *result)
+void brdffit_search(struct axis *axis, struct heap *heap, const struct engine *engine, const struct search_rules *rules,
+                    struct search_result *result)
 {
-    struct search s = {.axis = axis, .heap = heap, .engine = engine, .rules = rules, .result = result,
-                       .closed = INFINITY, .stuck = INFINITY, .stuck_by = BRDFFIT_STOP_ROUNDING,
+    struct search s = {.axis = axis,
+                       .heap = heap,
+                       .engine = engine,
+                       .rules = rules,
+                       .result = result,
+                       .closed = INFINITY,
+                       .stuck = INFINITY,
+                       .stuck_by = BRDFFIT_STOP_ROUNDING,
                        .cancelled = rules->cancelled};
 
     heap->count = 0;

@@ -30,8 +30,8 @@ struct search_result {
 };
 
 /* Partition `axis` must be started. The heap is emptied first. */
-void brdffit_search(struct axis *axis, struct heap *heap, const struct engine *engine,
-                    const struct search_rules *rules, struct search_result *result);
+void brdffit_search(struct axis *axis, struct heap *heap, const struct engine *engine, const struct search_rules *rules,
+                    struct search_result *result);
 
 /* Objective below which a lower bound counts as proof for an incumbent of this objective. */
 double brdffit_search_cutoff(const struct search_rules *rules, double objective);

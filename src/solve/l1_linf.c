@@ -8,8 +8,8 @@
 #include "base/tolerance.h"
 #include "base/vector.h"
 
-void brdffit_l1_linf_layout(struct l1_linf *r, struct arena *arena, size_t count, size_t channels,
-                                  int lobes, brdffit_norm norm)
+void brdffit_l1_linf_layout(struct l1_linf *r, struct arena *arena, size_t count, size_t channels, int lobes,
+                            brdffit_norm norm)
 {
     int j;
 
@@ -150,8 +150,7 @@ static void solve_channel(struct l1_linf *r, size_t k, int prove, struct varpro_
     value->kkt = fmax(value->kkt, answer->kkt);
 }
 
-void brdffit_l1_linf_evaluate(struct l1_linf *r, const struct point *at, int prove,
-                                    struct varpro_value *value)
+void brdffit_l1_linf_evaluate(struct l1_linf *r, const struct point *at, int prove, struct varpro_value *value)
 {
     size_t k;
 

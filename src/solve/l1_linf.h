@@ -21,8 +21,8 @@ struct l1_linf {
     size_t evaluated;
 };
 
-void brdffit_l1_linf_layout(struct l1_linf *r, struct arena *arena, size_t count, size_t channels,
-                                  int lobes, brdffit_norm norm);
+void brdffit_l1_linf_layout(struct l1_linf *r, struct arena *arena, size_t count, size_t channels, int lobes,
+                            brdffit_norm norm);
 
 /* Allocates (ECOS does). */
 brdffit_status brdffit_l1_linf_start(struct l1_linf *r, struct varpro *varpro);
@@ -32,8 +32,7 @@ void brdffit_l1_linf_finish(struct l1_linf *r);
  * Objective at a point. With `prove`, ECOS solves each channel too: the better answer counts, and value->kkt is how
  * far the objective of a channel can be from its optimum, relative to that of no lobes at all; else it is 0.
  */
-void brdffit_l1_linf_evaluate(struct l1_linf *r, const struct point *at, int prove,
-                                    struct varpro_value *value);
+void brdffit_l1_linf_evaluate(struct l1_linf *r, const struct point *at, int prove, struct varpro_value *value);
 
 /* Local descent inside the domain; returns the objective of what *point becomes, never worse than its start. */
 double brdffit_l1_linf_descend(struct l1_linf *r, struct point *point);

@@ -33,8 +33,8 @@ static int held(const struct newton *d, const struct point *at, const struct var
 }
 
 /* Solve (H + damping) step = -gradient over the free coordinates, with H made positive definite. */
-static void newton_step(const struct newton *d, const struct point *at, const struct varpro_value *f,
-                        double damping, double step[2])
+static void newton_step(const struct newton *d, const struct point *at, const struct varpro_value *f, double damping,
+                        double step[2])
 {
     double h00 = f->hessian[0][0], h11 = f->hessian[1][1], h01 = f->hessian[0][1], det, shift;
     int hold0 = held(d, at, f, 0), hold1 = d->lobes < 2 || held(d, at, f, 1);
@@ -89,7 +89,8 @@ static double predicted(const struct newton *d, const struct varpro_value *f, co
 }
 
 /* A step whose gain the objective cannot show: the gradient still knows better where the optimum is. */
-static double last_step(const struct newton *d, struct point *point, const double step[2], const struct varpro_value *here)
+static double last_step(const struct newton *d, struct point *point, const double step[2],
+                        const struct varpro_value *here)
 {
     struct varpro_value there;
     struct point next = *point;

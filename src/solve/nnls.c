@@ -256,8 +256,7 @@ static void refine(const struct nnls *nnls, const struct nnls_support *s, const 
     }
 }
 
-void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual,
-                        struct nnls_answer *answer)
+void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual, struct nnls_answer *answer)
 {
     double t[NNLS_COLUMNS], data_norm;
     int j;

@@ -52,8 +52,7 @@ void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_
                          const double *const *column, double *q);
 
 /* min ||data - A z||, z >= 0. residual: rows doubles, receives (data - A z) / data_scale. */
-void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual,
-                        struct nnls_answer *answer);
+void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual, struct nnls_answer *answer);
 
 /*
  * The same from cosines 01, 02, 12 of unit columns (two columns: the first), without the columns: brdffit_nnls_support()

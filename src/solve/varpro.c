@@ -170,8 +170,7 @@ static void add_channel(const struct varpro *v, const struct products *s, const 
     }
 }
 
-void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int derivatives,
-                             struct varpro_value *value)
+void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int derivatives, struct varpro_value *value)
 {
     const double *column[NNLS_COLUMNS];
     struct products products;

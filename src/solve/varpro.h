@@ -30,8 +30,7 @@ struct varpro {
 
 void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, size_t channels, int lobes);
 
-void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int derivatives,
-                             struct varpro_value *value);
+void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int derivatives, struct varpro_value *value);
 
 /* Newton descent from *point inside [theta_low, theta_high]; returns the objective of what *point becomes. */
 double brdffit_varpro_descend(struct varpro *v, struct point *point);

@@ -43,6 +43,7 @@ static inline size_t mutate_insert(unsigned char *data, size_t size, size_t capa
 /* Pieces that parsers trip over. */
 static inline size_t mutate_token(uint64_t *state, unsigned char *data, size_t size, size_t capacity, size_t at)
 {
+    /* clang-format off */
     static const char *const token[] = {
         ",", ";", "\t", "\n", "\r", "\r\n", "\"", "\"\"", "#", " ", "-", "+", ".", "e", "E-9", "1e999", "-1e-999",
         "nan", "inf", "0x1p-3", "1,5", "180", "180.0001", "-0", "theta_i", "theta_o", "phi_i", "phi_o", "lx", "ly",
@@ -50,15 +51,10 @@ static inline size_t mutate_token(uint64_t *state, unsigned char *data, size_t s
         "\x1f\x8b\x08",
         "00000000000000000000000000000000000000", "9007199254740993", "\x7f",
     };
+    /* clang-format on */
     static const unsigned char binary[][8] = {
-        {0},
-        {0xff, 0xff, 0xff, 0x7f},
-        {0xff, 0xff, 0xff, 0xff},
-        {0, 0, 0, 0x80},
-        {1, 0, 0, 0},
-        {0, 0, 0, 0, 0, 0, 0xf0, 0x7f},
-        {0, 0, 0, 0, 0, 0, 0xf8, 0x7f},
-        {0, 0, 0, 0, 0, 0, 0xf0, 0xbf},
+        {0},          {0xff, 0xff, 0xff, 0x7f},       {0xff, 0xff, 0xff, 0xff},       {0, 0, 0, 0x80},
+        {1, 0, 0, 0}, {0, 0, 0, 0, 0, 0, 0xf0, 0x7f}, {0, 0, 0, 0, 0, 0, 0xf8, 0x7f}, {0, 0, 0, 0, 0, 0, 0xf0, 0xbf},
     };
     size_t pick = mutate_random(state, sizeof token / sizeof *token + sizeof binary / sizeof *binary);
 

@@ -84,8 +84,7 @@ static void write_box(const struct bound_case *c, struct fit *f, const double ra
         }
     }
     memcpy(scale, f->data.channel_scale, c->channels * sizeof *scale);
-    printf("{\"lobes\": %d, \"ggx\": %d, \"channels\": %zu, ", c->lobes, c->distribution == BRDFFIT_GGX,
-           c->channels);
+    printf("{\"lobes\": %d, \"ggx\": %d, \"channels\": %zu, ", c->lobes, c->distribution == BRDFFIT_GGX, c->channels);
     write_numbers("a", c->a, c->count);
     write_numbers("b", c->b, c->count);
     write_numbers("c", c->c, c->count);

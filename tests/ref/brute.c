@@ -120,8 +120,8 @@ static void brute_print(const char *path, const struct brute_problem *p, const s
     }
     printf("\",\"distribution\":\"%s\",\"lobes\":%d,\"step_log2\":%d,\"points\":%.0f,\"samples\":%zu,"
            "\"distinct_c\":%zu,\"e2\":%.17Lg,\"sigma\":[%.17Lg",
-           settings->ggx ? "ggx" : "beckmann", settings->lobes, settings->step_log2, answer->points,
-           p->sample.count, p->basis.rows.count - 1, answer->e2, answer->sigma[0]);
+           settings->ggx ? "ggx" : "beckmann", settings->lobes, settings->step_log2, answer->points, p->sample.count,
+           p->basis.rows.count - 1, answer->e2, answer->sigma[0]);
     if (settings->lobes == 2) {
         printf(",%.17Lg", answer->sigma[1]);
     }

@@ -285,7 +285,7 @@ static int brute_narrow_hopeless(const struct brute_grid *grid, size_t i, size_t
 
             new += data[d] * (row[j] - row[i]);
         }
-        sum += new * new / (q * (1.0 - 0.25 * q));
+        sum += new *new / (q * (1.0 - 0.25 * q));
     }
     sum += grid->omega_squares + grid->squares[i] + 1e-7 * (double)grid->total;
     return q >= BRUTE_NARROWER && sum <= threshold;

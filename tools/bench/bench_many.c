@@ -119,8 +119,8 @@ static int make_values(const struct settings *s, const brdffit_samples *at, doub
     for (t = 0; t < n; t++) {
         double largest = 0.0;
 
-        if (!render(s, at, ((double)(t % s->size) + 0.5) / (double)s->size, ((double)(t / s->size) + 0.5) / (double)s->size,
-                    out)) {
+        if (!render(s, at, ((double)(t % s->size) + 0.5) / (double)s->size,
+                    ((double)(t / s->size) + 0.5) / (double)s->size, out)) {
             return 0;
         }
         for (i = 0; i < SAMPLES * CHANNELS; i++) {
@@ -279,8 +279,9 @@ static void print_run(const struct settings *s, const struct run *run)
 
 static int usage(void)
 {
-    fprintf(stderr, "usage: bench_many [--lobes N] [--size N] [--gap X] [--noise X] [--repeat N] [--isa NAME] [--float] "
-                    "[--csv] [--check N]\n");
+    fprintf(stderr,
+            "usage: bench_many [--lobes N] [--size N] [--gap X] [--noise X] [--repeat N] [--isa NAME] [--float] "
+            "[--csv] [--check N]\n");
     return 2;
 }
 

@@ -162,7 +162,7 @@ static void bench_file(const struct settings *s, const char *file)
         cat[i] = run(cat_argv, NULL);
         for (lobes = 0; lobes < 2; lobes++) {
             char *argv[] = {(char *)(uintptr_t)s->program, "fit", "--lobes", lobes_text[lobes],
-                            (char *)(uintptr_t)file, NULL};
+                            (char *)(uintptr_t)file,       NULL};
             struct parts parts;
 
             whole[lobes][i] = run(argv, &bytes);
@@ -181,7 +181,8 @@ static void bench_file(const struct settings *s, const char *file)
         for (i = 0; i < 3; i++) {
             m[i] = median(part[lobes][i], s->repeat);
         }
-        printf("%-36s %d lobe%s  cat %6.2f ms  fit %6.2f ms  ratio %5.2f  (read %.2f, reduce %.3f, search %.2f ms; %.0f MB)\n",
+        printf("%-36s %d lobe%s  cat %6.2f ms  fit %6.2f ms  ratio %5.2f  (read %.2f, reduce %.3f, search %.2f ms; "
+               "%.0f MB)\n",
                strrchr(file, '/') ? strrchr(file, '/') + 1 : file, lobes + 1, lobes ? "s" : " ", 1e3 * cat_median,
                1e3 * all, all / cat_median, 1e3 * m[0], 1e3 * m[1], 1e3 * m[2], bytes / 1e6);
         record(s, "fit", file, lobes + 1, 0, all);
@@ -244,7 +245,8 @@ static void scale_sums(const struct settings *s, size_t n, int scattered)
     static struct chunk chunk;
     static double fits[MOST_REPEATS];
     static const char *const shown[] = {"90 distinct c", "every c distinct", "every c distinct, bins"};
-    static const char *const add[] = {"add", "add_scattered", "add_bins"}, *const fit[] = {"fit", "fit_scattered", "fit_bins"};
+    static const char *const add[] = {"add", "add_scattered", "add_bins"}, *const fit[] = {"fit", "fit_scattered",
+                                                                                           "fit_bins"};
     size_t groups = scattered == 2 ? 16384 : scattered ? 4096 : 90, size = brdffit_sums_size(3, groups), at, room;
     brdffit_sums *sums = NULL;
     brdffit_options options;
@@ -285,9 +287,8 @@ static void scale_sums(const struct settings *s, size_t n, int scattered)
         }
         fits[i] = now() - start;
     }
-    printf("%10zu samples, %s: added in %.3g s (%.0f ns each), fitted in %.3f ms; %.1f MB of sums\n", n, shown[scattered],
-           adding, 1e9 * adding / (double)n,
-           1e3 * median(fits, s->repeat), (double)size / 1e6);
+    printf("%10zu samples, %s: added in %.3g s (%.0f ns each), fitted in %.3f ms; %.1f MB of sums\n", n,
+           shown[scattered], adding, 1e9 * adding / (double)n, 1e3 * median(fits, s->repeat), (double)size / 1e6);
     if (scattered == 2) {
         printf("%28s%zu bins; E^2 to %.1e of itself, gap %.1e, %s\n", "", result.distinct_c,
                result.e2_error / result.e2, result.gap / result.e2, brdffit_stop_string(result.stop));

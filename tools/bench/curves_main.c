@@ -21,8 +21,8 @@
 const struct curves_method curves_nlopt_methods[] = {{NULL, NULL, 0, 0}};
 #endif
 
-static const struct curves_method *const families[] = {curves_engine_methods, curves_local_methods, curves_nlopt_methods,
-                                                       curves_grid_methods};
+static const struct curves_method *const families[] = {curves_engine_methods, curves_local_methods,
+                                                       curves_nlopt_methods, curves_grid_methods};
 
 double curves_now(void)
 {
@@ -205,8 +205,13 @@ static int read_value(struct curves_options *o, int lobes[2], const char *name, 
 
 int main(int argc, char **argv)
 {
-    struct curves_options options = {.repeat = 9, .patience = 1.0, .starts = 100, .evaluations = 10000, .grid = {11, 8},
-                                     .width = {11, 6}, .set = "-"};
+    struct curves_options options = {.repeat = 9,
+                                     .patience = 1.0,
+                                     .starts = 100,
+                                     .evaluations = 10000,
+                                     .grid = {11, 8},
+                                     .width = {11, 6},
+                                     .set = "-"};
     int lobes[2] = {1, 1}, i, good = 1;
 
     if (argc == 2 && strcmp(argv[1], "--list") == 0) {
@@ -218,9 +223,10 @@ int main(int argc, char **argv)
         }
     }
     if (i >= argc || strncmp(argv[i], "--", 2) == 0) {
-        fprintf(stderr, "usage: curves [--methods A,B,...] [--lobes 1|2|both] [--set NAME] [--repeat R] [--patience S]\n"
-                        "              [--starts N] [--evaluations N] [--grid M1,M2] [--width M1,M2] FILE...\n"
-                        "       curves --list     methods, variants, versions of the peers that were built in\n");
+        fprintf(stderr,
+                "usage: curves [--methods A,B,...] [--lobes 1|2|both] [--set NAME] [--repeat R] [--patience S]\n"
+                "              [--starts N] [--evaluations N] [--grid M1,M2] [--width M1,M2] FILE...\n"
+                "       curves --list     methods, variants, versions of the peers that were built in\n");
         return 2;
     }
     printf("method,knob,set,file,data,lobes,seconds,search,e2,lower_bound,certified,work,nodes,sum_of_squares\n");

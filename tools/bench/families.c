@@ -34,18 +34,18 @@ struct member {
     double noise;                                  /* relative */
 };
 
-static double between(gonio_random *random, double low, double high)
+static double between(struct gonio_random *random, double low, double high)
 {
     return low + (high - low) * brdffit_gonio_uniform(random);
 }
 
-static double log_between(gonio_random *random, double low, double high)
+static double log_between(struct gonio_random *random, double low, double high)
 {
     return exp(between(random, log(low), log(high)));
 }
 
 /* y is chosen by the height y / sigma^2 of its lobe, beside a diffuse term of about 1. */
-static struct member draw(enum family family, gonio_random *random)
+static struct member draw(enum family family, struct gonio_random *random)
 {
     struct member m = {{0.0, 0.0}, {0.0}, {0.0}, family == NEAR ? 0.001 : 0.01};
     double height;
@@ -93,7 +93,7 @@ static void directions(double angle[SAMPLES][4], double light[SAMPLES][3], doubl
     }
 }
 
-static int write_member(const char *path, const struct member *m, gonio_random *random)
+static int write_member(const char *path, const struct member *m, struct gonio_random *random)
 {
     static double angle[SAMPLES][4], light[SAMPLES][3], view[SAMPLES][3], value[SAMPLES][CHANNELS];
     brdffit_model model = {.distribution = BRDFFIT_BECKMANN, .lobes = 2, .channels = CHANNELS, .x = m->x, .y = m->y};
@@ -140,7 +140,7 @@ static int write_all(const char *folder, unsigned long long seed, int members)
         snprintf(path, sizeof path, "%s/%s", folder, names[f]);
         good = make_folder(path);
         for (i = 0; i < members && good; i++) {
-            gonio_random random = brdffit_gonio_random(seed, (uint64_t)(1000 * f + i));
+            struct gonio_random random = brdffit_gonio_random(seed, (uint64_t)(1000 * f + i));
             struct member member = draw((enum family)f, &random);
 
             snprintf(path, sizeof path, "%s/%s/%02d.csv", folder, names[f], i + 1);

@@ -39,31 +39,34 @@ static double now(void)
 static volatile double sink;
 
 /* `registers` vectors of `bytes`: x = x m + p, a dependent chain each. Returns flops per second. */
-#define PEAK(name, target_attribute, bytes, registers)                                                              \
-    target_attribute static double name(void)                                                                       \
-    {                                                                                                               \
-        typedef double wide __attribute__((vector_size(bytes)));                                                    \
-        wide x[registers], m, p;                                                                                    \
-        double begun, spent;                                                                                        \
-        int i, j;                                                                                                   \
-                                                                                                                    \
-        for (j = 0; j < (int)(bytes / sizeof(double)); j++) {                                                       \
-            m[j] = 0.999;                                                                                           \
-            p[j] = 0.001;                                                                                           \
-        }                                                                                                           \
-        for (j = 0; j < (registers); j++) {                                                                         \
-            x[j] = p * (double)(j + 1);                                                                             \
-        }                                                                                                           \
-        begun = now();                                                                                              \
-        for (i = 0; i < 20 * ROUNDS; i++) {                                                                         \
-            _Pragma("GCC unroll 32") for (j = 0; j < (registers); j++) { x[j] = x[j] * m + p; }                     \
-        }                                                                                                           \
-        spent = now() - begun;                                                                                      \
-        for (j = 1; j < (registers); j++) {                                                                         \
-            x[0] += x[j];                                                                                           \
-        }                                                                                                           \
-        sink = x[0][0];                                                                                             \
-        return 20.0 * ROUNDS * (registers) * (bytes / sizeof(double)) * 2.0 / spent;                                \
+#define PEAK(name, target_attribute, bytes, registers)                                                                 \
+    target_attribute static double name(void)                                                                          \
+    {                                                                                                                  \
+        typedef double wide __attribute__((vector_size(bytes)));                                                       \
+        wide x[registers], m, p;                                                                                       \
+        double begun, spent;                                                                                           \
+        int i, j;                                                                                                      \
+                                                                                                                       \
+        for (j = 0; j < (int)(bytes / sizeof(double)); j++) {                                                          \
+            m[j] = 0.999;                                                                                              \
+            p[j] = 0.001;                                                                                              \
+        }                                                                                                              \
+        for (j = 0; j < (registers); j++) {                                                                            \
+            x[j] = p * (double)(j + 1);                                                                                \
+        }                                                                                                              \
+        begun = now();                                                                                                 \
+        for (i = 0; i < 20 * ROUNDS; i++) {                                                                            \
+            _Pragma("GCC unroll 32") for (j = 0; j < (registers); j++)                                                 \
+            {                                                                                                          \
+                x[j] = x[j] * m + p;                                                                                   \
+            }                                                                                                          \
+        }                                                                                                              \
+        spent = now() - begun;                                                                                         \
+        for (j = 1; j < (registers); j++) {                                                                            \
+            x[0] += x[j];                                                                                              \
+        }                                                                                                              \
+        sink = x[0][0];                                                                                                \
+        return 20.0 * ROUNDS * (registers) * (bytes / sizeof(double)) * 2.0 / spent;                                   \
     }
 
 #if defined(__x86_64__)
@@ -151,8 +154,8 @@ int main(void)
             double spent = node_seconds(k, length[j], functionals);
             double flops = NODE_FLOPS((double)functionals) * (double)length[j] / spent;
 
-            printf("%s,%zu,%zu,%.4g,%.4g,%.4g,%.4g\n", brdffit_isa_string(set[i].isa), length[j], functionals, peak, spent,
-                   flops, flops / peak);
+            printf("%s,%zu,%zu,%.4g,%.4g,%.4g,%.4g\n", brdffit_isa_string(set[i].isa), length[j], functionals, peak,
+                   spent, flops, flops / peak);
         }
     }
     return 0;

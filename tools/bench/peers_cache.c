@@ -12,8 +12,9 @@
 #define KEY_FIELDS 10
 #define FIELDS 22
 
-static const char header[] = "material,data,lobes,peer,chart,coefficients,sigma,seed,first,last,best_e2,sigma_1,sigma_2,"
-                             "reached,near,excluded,iterations,seconds,certified_e2,lower_bound,sum_of_squares,end\n";
+static const char header[] =
+    "material,data,lobes,peer,chart,coefficients,sigma,seed,first,last,best_e2,sigma_1,sigma_2,"
+    "reached,near,excluded,iterations,seconds,certified_e2,lower_bound,sum_of_squares,end\n";
 
 static int write_key(char *to, size_t size, const struct peers_block *b)
 {
@@ -120,9 +121,8 @@ int peers_cache_add(struct peers_cache *cache, const struct peers_block *block, 
     if (write_key(key, sizeof key, block) >= (int)sizeof key) {
         return 0;
     }
-    fprintf(cache->file,
-            "%s,%.17g,%.9g,%.9g,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%.0f,%.6f,%.17g,%.17g,%.17g,.\n", key, o->best_e2,
-            o->best_sigma[0], o->best_sigma[1], o->reached, o->near, o->excluded, o->iterations, o->seconds,
+    fprintf(cache->file, "%s,%.17g,%.9g,%.9g,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%.0f,%.6f,%.17g,%.17g,%.17g,.\n", key,
+            o->best_e2, o->best_sigma[0], o->best_sigma[1], o->reached, o->near, o->excluded, o->iterations, o->seconds,
             o->certified_e2, o->lower_bound, o->sum_of_squares);
     return fflush(cache->file) == 0 && !ferror(cache->file);
 }

@@ -22,7 +22,8 @@ struct peers_block {
 /* What came out. */
 struct peers_outcome {
     double best_e2, best_sigma[PEERS_MOST_LOBES]; /* over the starts that were not excluded; infinite without one */
-    uint64_t reached, near, excluded;             /* starts within 1e-6, within 1e-3 of the certified E^2; left out */
+    uint64_t reached, near, excluded;             /* starts within 1e-6, within 1e-3 of the certified E^2; left
+                                                     out */
     double iterations, seconds;                   /* sums; processor time */
     double certified_e2, lower_bound, sum_of_squares;
 };

@@ -239,7 +239,8 @@ static int run_all(const struct settings *s)
         good = peers_problem_read(s->file[i], &problem, &message);
         problem.lobes = s->lobes;
         problem.chart = s->chart;
-        good = good && (from ? run_from(s, &problem, s->file[i]) : run_blocks(s, &problem, s->file[i], &cache, &seconds));
+        good = good &&
+               (from ? run_from(s, &problem, s->file[i]) : run_blocks(s, &problem, s->file[i], &cache, &seconds));
         if (!good) {
             fprintf(stderr, "peers: %s: %s\n", s->file[i], message);
         }
@@ -344,8 +345,8 @@ static int read_arguments(struct settings *s, int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    struct settings s = {.solver = &peers_levmar, .chart = PEERS_LOG, .start = {1, 1, 1}, .starts = 100, .lobes = 1,
-                         .cache = "-"};
+    struct settings s = {
+        .solver = &peers_levmar, .chart = PEERS_LOG, .start = {1, 1, 1}, .starts = 100, .lobes = 1, .cache = "-"};
     size_t i;
 
     if (argc == 2 && strcmp(argv[1], "--list") == 0) {

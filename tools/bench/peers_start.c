@@ -190,9 +190,8 @@ void peers_start_draw(const struct peers_problem *problem, const struct peers_st
 
     for (lobe = 0; lobe < problem->lobes; lobe++) {
         double u = draw(&state);
-        double sigma = start->log_uniform
-                           ? PEERS_LOG_UNIFORM_MIN * pow(PEERS_SIGMA_MAX / PEERS_LOG_UNIFORM_MIN, u)
-                           : PEERS_SIGMA_MIN + u * (PEERS_SIGMA_MAX - PEERS_SIGMA_MIN);
+        double sigma = start->log_uniform ? PEERS_LOG_UNIFORM_MIN * pow(PEERS_SIGMA_MAX / PEERS_LOG_UNIFORM_MIN, u)
+                                          : PEERS_SIGMA_MIN + u * (PEERS_SIGMA_MAX - PEERS_SIGMA_MIN);
 
         parameter[lobe] = peers_sigma_to_chart(problem, sigma);
     }

@@ -132,10 +132,12 @@ static int run(struct shared *s)
     pthread_t ids[64];
     int started = 0;
     const int wanted = s->map->threads < 64 ? s->map->threads : 64;
-    while (started < wanted && pthread_create(&ids[started], NULL, work, s) == 0)
+    while (started < wanted && pthread_create(&ids[started], NULL, work, s) == 0) {
         started++;
-    for (int i = 0; i < started; i++)
+    }
+    for (int i = 0; i < started; i++) {
         (void)pthread_join(ids[i], NULL);
+    }
     return started == wanted && !s->failed;
 }
 
@@ -163,8 +165,9 @@ int direct_fit_map(const direct_map *map, double *e2_sum)
         (void)pthread_mutex_destroy(&s.mutex);
     }
     *e2_sum = 0;
-    for (size_t i = 0; done && i < map->texels; i++)
+    for (size_t i = 0; done && i < map->texels; i++) {
         *e2_sum += s.results.e2[i];
+    }
     release(&s.results);
     free(memory);
     return done;
@@ -178,8 +181,9 @@ int direct_fit(const brdffit_samples *samples, int lobes, size_t times, double *
         brdffit_result *result;
         brdffit_options_init(&options);
         options.lobes = lobes;
-        if (brdffit_fit_new(samples, &options, &result, NULL) != BRDFFIT_OK)
+        if (brdffit_fit_new(samples, &options, &result, NULL) != BRDFFIT_OK) {
             return 0;
+        }
         *e2 = result->e2;
         brdffit_fit_free(result);
     }

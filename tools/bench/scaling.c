@@ -66,7 +66,7 @@ static int compare(const void *first, const void *second)
 /* Half angles as a half sphere of them has, to 60 degrees; b and a of the right size. */
 static void fill(const struct settings *s, double *a, double *b, double *c, double *value)
 {
-    gonio_random random = brdffit_gonio_random(1, 0);
+    struct gonio_random random = brdffit_gonio_random(1, 0);
     size_t i, k;
 
     for (i = 0; i < s->samples; i++) {

@@ -21,27 +21,24 @@
 
 void brdffit_cli_eval_help(void)
 {
-    cli_text text = {0};
-    brdffit_cli_text_puts(
-        &text,
-        "Usage: brdffit eval FIT.json FILE [options]\n"
-        "\n"
-        "Evaluate a fit at the directions of FILE and write a CSV table: directions,\n"
-        "then for each channel the fitted value and, where FILE has a channel of that\n"
-        "name, the measured one and the residual. FIT.json holds lines written by\n"
-        "'brdffit fit --json'; FILE is read the way the line says. E^2 and RMS over the\n"
-        "samples that a fit uses end up on standard error.\n"
-        "\n");
+    struct cli_text text = {0};
+    brdffit_cli_text_puts(&text, "Usage: brdffit eval FIT.json FILE [options]\n"
+                                 "\n"
+                                 "Evaluate a fit at the directions of FILE and write a CSV table: directions,\n"
+                                 "then for each channel the fitted value and, where FILE has a channel of that\n"
+                                 "name, the measured one and the residual. FIT.json holds lines written by\n"
+                                 "'brdffit fit --json'; FILE is read the way the line says. E^2 and RMS over the\n"
+                                 "samples that a fit uses end up on standard error.\n"
+                                 "\n");
     brdffit_cli_option_help(&text, CLI_EVAL);
-    brdffit_cli_text_puts(&text,
-                          "\n"
-                          "Exit status: 0 done; 1 a file cannot be read or written, or memory ran\n"
-                          "out; 2 wrong usage; 3 the data or the fit cannot be used.\n");
+    brdffit_cli_text_puts(&text, "\n"
+                                 "Exit status: 0 done; 1 a file cannot be read or written, or memory ran\n"
+                                 "out; 2 wrong usage; 3 the data or the fit cannot be used.\n");
     fputs(brdffit_cli_text_string(&text), stdout);
     brdffit_cli_text_free(&text);
 }
 
-static int read_table(const cli_settings *settings, const cli_fit *fit, const char *path,
+static int read_table(const struct cli_settings *settings, const struct cli_fit *fit, const char *path,
                       brdffit_table **table)
 {
     brdffit_io_options options;
@@ -54,87 +51,90 @@ static int read_table(const cli_settings *settings, const cli_fit *fit, const ch
     options.merl_bins = (brdffit_io_merl_bins)fit->merl_bins;
     options.merl_sampling = (brdffit_io_merl_sampling)fit->merl_sampling;
     options.directions_only = 1;
-    if (fit->merl_sampling == BRDFFIT_IO_MERL_DIRECTIONS)
+    if (fit->merl_sampling == BRDFFIT_IO_MERL_DIRECTIONS) {
         options.directions = &fit->directions;
+    }
     errno = 0;
     const brdffit_status status = brdffit_io_read(path, &options, table, &error);
-    if (status == BRDFFIT_OK)
+    if (status == BRDFFIT_OK) {
         return 0;
+    }
     brdffit_cli_report_error(path, &error, NULL, errno);
     return brdffit_cli_status_exit(status);
 }
 
-static void print_figures(const cli_comparison *c, const cli_figures *figures)
+static void print_figures(const struct cli_comparison *c, const struct cli_figures *figures)
 {
-    const cli_style style = brdffit_cli_style(stderr);
-    const cli_fit *const fit = c->fit;
+    const struct cli_style style = brdffit_cli_style(stderr);
+    const struct cli_fit *const fit = c->fit;
     const char *objective = brdffit_cli_objective(style, fit->norm);
     const double rounding = fit->norm == BRDFFIT_NORM_L2 ? ROUNDING : sqrt(ROUNDING);
-    cli_text text = {0};
-    brdffit_cli_text_printf(&text, "%zu of %zu samples: %s %.15g here, %.15g in fit %zu; RMS",
-                            figures->used, c->table->samples.count, objective, figures->e2, fit->e2,
-                            fit->line);
+    struct cli_text text = {0};
+    brdffit_cli_text_printf(&text, "%zu of %zu samples: %s %.15g here, %.15g in fit %zu; RMS", figures->used,
+                            c->table->samples.count, objective, figures->e2, fit->e2, fit->line);
     for (size_t k = 0; k < fit->model.channels; k++) {
         brdffit_cli_text_puts(&text, k == 0 ? " " : ", ");
         brdffit_cli_name(&text, style, c->table->channel_names[c->measured[k]]);
         brdffit_cli_text_printf(&text, " %.15g", figures->rms[k]);
     }
     fprintf(stderr, "brdffit: %s\n", brdffit_cli_text_string(&text));
-    if (!(fabs(figures->e2 - fit->e2) <= AGREEMENT * fit->e2 + rounding * figures->data))
-        fprintf(stderr, "brdffit: this is not the %s of the fit: other data, or read another way\n",
-                objective);
+    if (!(fabs(figures->e2 - fit->e2) <= AGREEMENT * fit->e2 + rounding * figures->data)) {
+        fprintf(stderr, "brdffit: this is not the %s of the fit: other data, or read another way\n", objective);
+    }
     brdffit_cli_text_free(&text);
 }
 
 /* The table is there: evaluate, write, compare. */
-static int evaluate(const cli_settings *settings, cli_comparison *c, double *fitted, double *rms)
+static int evaluate(const struct cli_settings *settings, struct cli_comparison *c, double *fitted, double *rms)
 {
     brdffit_error error = {0};
-    const brdffit_status status =
-        brdffit_eval(&c->fit->model, &c->table->samples, fitted, &error);
+    const brdffit_status status = brdffit_eval(&c->fit->model, &c->table->samples, fitted, &error);
     if (status != BRDFFIT_OK) {
         brdffit_cli_report_error(settings->files[1], &error, c->table, 0);
         return brdffit_cli_status_exit(status);
     }
-    cli_output output;
+    struct cli_output output;
     brdffit_cli_match_channels(c);
-    if (brdffit_cli_output_open(&output, settings->output) != 0)
+    if (brdffit_cli_output_open(&output, settings->output) != 0) {
         return CLI_EXIT_FAILURE;
+    }
     if (brdffit_cli_eval_rows(c, &output) != 0) {
         brdffit_cli_output_abandon(&output);
         return CLI_EXIT_FAILURE;
     }
-    if (brdffit_cli_output_commit(&output) != 0)
+    if (brdffit_cli_output_commit(&output) != 0) {
         return CLI_EXIT_FAILURE;
-    if (settings->quiet)
+    }
+    if (settings->quiet) {
         return 0;
+    }
     if (!c->complete) {
         fprintf(stderr, "brdffit: not every channel of the fit is in the file: no E^2 or RMS\n");
         return 0;
     }
-    cli_figures figures = {0, 0, 0, rms};
+    struct cli_figures figures = {0, 0, 0, rms};
     brdffit_cli_eval_figures(c, &figures);
     print_figures(c, &figures);
     return 0;
 }
 
-static int run_eval(const cli_settings *settings)
+static int run_eval(const struct cli_settings *settings)
 {
-    cli_fit fit;
+    struct cli_fit fit;
     brdffit_table *table = NULL;
     const char *const file = settings->files[1];
     int code = brdffit_cli_fit_read(&fit, settings->files[0], file, settings->select);
-    if (code == 0)
+    if (code == 0) {
         code = read_table(settings, &fit, file, &table);
+    }
     if (code == 0) {
         const size_t channels = fit.model.channels, count = table->samples.count;
-        cli_comparison c = {&fit, table, NULL, calloc(channels, sizeof *c.measured), 0};
+        struct cli_comparison c = {&fit, table, NULL, calloc(channels, sizeof *c.measured), 0};
         double *const rms = calloc(channels, sizeof *rms);
         double *const fitted = calloc(count > 0 ? count : 1, channels * sizeof *fitted);
         c.fitted = fitted;
-        code = c.measured == NULL || rms == NULL || fitted == NULL
-                   ? brdffit_cli_no_memory()
-                   : evaluate(settings, &c, fitted, rms);
+        code = c.measured == NULL || rms == NULL || fitted == NULL ? brdffit_cli_no_memory()
+                                                                   : evaluate(settings, &c, fitted, rms);
         free(c.measured);
         free(rms);
         free(fitted);
@@ -146,14 +146,15 @@ static int run_eval(const cli_settings *settings)
 
 int brdffit_cli_eval(int argc, char **argv)
 {
-    cli_settings settings;
+    struct cli_settings settings;
     int code = CLI_EXIT_USAGE;
-    const cli_parse answer = brdffit_cli_parse(CLI_EVAL, "eval", argc, argv, &settings);
+    const enum cli_parse answer = brdffit_cli_parse(CLI_EVAL, "eval", argc, argv, &settings);
     if (answer == CLI_PARSED_HELP) {
         brdffit_cli_eval_help();
         code = 0;
-    } else if (answer == CLI_PARSED)
+    } else if (answer == CLI_PARSED) {
         code = run_eval(&settings);
+    }
     brdffit_cli_settings_free(&settings);
     return code;
 }

@@ -10,57 +10,61 @@
 
 void brdffit_cli_info_help(void)
 {
-    cli_text text = {0};
-    brdffit_cli_text_puts(&text,
-                          "Usage: brdffit info FILE... [options]\n"
-                          "\n"
-                          "Say what is in each FILE, what a fit would use of it, what it would skip\n"
-                          "and why, and how narrow a lobe its directions can resolve.\n"
-                          "\n");
+    struct cli_text text = {0};
+    brdffit_cli_text_puts(&text, "Usage: brdffit info FILE... [options]\n"
+                                 "\n"
+                                 "Say what is in each FILE, what a fit would use of it, what it would skip\n"
+                                 "and why, and how narrow a lobe its directions can resolve.\n"
+                                 "\n");
     brdffit_cli_option_help(&text, CLI_INFO);
-    brdffit_cli_text_puts(&text,
-                          "\n"
-                          "Exit status: 0 done; 1 a file cannot be read or written, or memory ran\n"
-                          "out; 2 wrong usage; 3 a file's data cannot be used. With several files\n"
-                          "the first of 1, 2, 3 that occurred.\n");
+    brdffit_cli_text_puts(&text, "\n"
+                                 "Exit status: 0 done; 1 a file cannot be read or written, or memory ran\n"
+                                 "out; 2 wrong usage; 3 a file's data cannot be used. With several files\n"
+                                 "the first of 1, 2, 3 that occurred.\n");
     fputs(brdffit_cli_text_string(&text), stdout);
     brdffit_cli_text_free(&text);
 }
 
 /* Inspect one file into `text`. Returns its exit code. */
-static int inspect(cli_text *text, cli_style style, cli_fitter *fitter, const char *path, int first)
+static int inspect(struct cli_text *text, struct cli_style style, struct cli_fitter *fitter, const char *path,
+                   int first)
 {
-    cli_job job;
-    cli_stats stats;
+    struct cli_job job;
+    struct cli_stats stats;
     brdffit_cli_job_read(&job, fitter, path);
-    if (job.status == BRDFFIT_OK)
+    if (job.status == BRDFFIT_OK) {
         job.status = brdffit_cli_stats(job.table, &fitter->options, &stats, &job.error);
+    }
     const int ok = job.status == BRDFFIT_OK;
     const int code = brdffit_cli_status_exit(job.status);
-    if (!ok)
+    if (!ok) {
         brdffit_cli_report_error(path, &job.error, job.table, job.system_error);
-    if (fitter->settings->json)
+    }
+    if (fitter->settings->json) {
         brdffit_cli_info_json(text, &job, fitter, ok ? &stats : NULL);
-    else if (ok && !fitter->settings->quiet) {
+    } else if (ok && !fitter->settings->quiet) {
         brdffit_cli_text_puts(text, first ? "" : "\n");
         brdffit_cli_info_report(text, style, &job, fitter, &stats);
     }
-    if (ok)
+    if (ok) {
         brdffit_cli_stats_free(&stats);
+    }
     brdffit_cli_job_free(&job);
     return code;
 }
 
-static int run_info(const cli_settings *settings, cli_fitter *fitter)
+static int run_info(const struct cli_settings *settings, struct cli_fitter *fitter)
 {
-    cli_output output;
-    cli_text text = {0};
+    struct cli_output output;
+    struct cli_text text = {0};
     int code = brdffit_cli_fitter_init(fitter, settings);
-    if (code != 0)
+    if (code != 0) {
         return code;
-    if (brdffit_cli_output_open(&output, settings->output) != 0)
+    }
+    if (brdffit_cli_output_open(&output, settings->output) != 0) {
         return CLI_EXIT_FAILURE;
-    const cli_style style = brdffit_cli_style(output.file);
+    }
+    const struct cli_style style = brdffit_cli_style(output.file);
     int printed = 0;
     for (size_t i = 0; i < settings->file_count; i++) {
         brdffit_cli_text_clear(&text);
@@ -79,14 +83,14 @@ static int run_info(const cli_settings *settings, cli_fitter *fitter)
 
 int brdffit_cli_info(int argc, char **argv)
 {
-    cli_settings settings;
+    struct cli_settings settings;
     int code = CLI_EXIT_USAGE;
-    const cli_parse answer = brdffit_cli_parse(CLI_INFO, "info", argc, argv, &settings);
+    const enum cli_parse answer = brdffit_cli_parse(CLI_INFO, "info", argc, argv, &settings);
     if (answer == CLI_PARSED_HELP) {
         brdffit_cli_info_help();
         code = 0;
     } else if (answer == CLI_PARSED) {
-        cli_fitter fitter;
+        struct cli_fitter fitter;
         code = run_info(&settings, &fitter);
         brdffit_cli_fitter_free(&fitter);
     }

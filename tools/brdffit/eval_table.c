@@ -17,20 +17,23 @@ static double degrees(double radians)
     return radians * (180 / 3.14159265358979323846);
 }
 
-void brdffit_cli_match_channels(cli_comparison *comparison)
+void brdffit_cli_match_channels(struct cli_comparison *comparison)
 {
-    const cli_fit *const fit = comparison->fit;
+    const struct cli_fit *const fit = comparison->fit;
     const brdffit_table *const table = comparison->table;
     const size_t channels = table->samples.channels;
     comparison->complete = 1;
     for (size_t k = 0; k < fit->model.channels; k++) {
         size_t column = BRDFFIT_NONE;
-        if (fit->names == NULL)
+        if (fit->names == NULL) {
             column = channels == fit->model.channels ? k : BRDFFIT_NONE;
-        else
-            for (size_t j = 0; j < channels && column == BRDFFIT_NONE; j++)
-                if (strcmp(table->channel_names[j], fit->names[k]) == 0)
+        } else {
+            for (size_t j = 0; j < channels && column == BRDFFIT_NONE; j++) {
+                if (strcmp(table->channel_names[j], fit->names[k]) == 0) {
                     column = j;
+                }
+            }
+        }
         comparison->measured[k] = column;
         comparison->complete &= column != BRDFFIT_NONE;
     }
@@ -39,36 +42,39 @@ void brdffit_cli_match_channels(cli_comparison *comparison)
 /* ---- CSV --------------------------------------------------------------- */
 
 /* A header field; quoted when it needs to be. */
-static void header_field(cli_text *text, const char *name, const char *suffix)
+static void header_field(struct cli_text *text, const char *name, const char *suffix)
 {
     const int plain = strpbrk(name, ",;\t\"\r\n") == NULL;
     brdffit_cli_text_puts(text, plain ? "," : ",\"");
     for (; *name; name++) {
-        if (*name == '"')
+        if (*name == '"') {
             brdffit_cli_text_puts(text, "\"");
+        }
         brdffit_cli_text_add(text, name, 1);
     }
     brdffit_cli_text_puts(text, suffix);
-    if (!plain)
+    if (!plain) {
         brdffit_cli_text_puts(text, "\"");
+    }
 }
 
-static void header(cli_text *text, const cli_comparison *c)
+static void header(struct cli_text *text, const struct cli_comparison *c)
 {
     const brdffit_samples *const samples = &c->table->samples;
-    if (samples->form == BRDFFIT_FORM_COEFFICIENTS)
+    if (samples->form == BRDFFIT_FORM_COEFFICIENTS) {
         brdffit_cli_text_puts(text, "a,b,c");
-    else if (samples->form == BRDFFIT_FORM_ANGLES)
+    } else if (samples->form == BRDFFIT_FORM_ANGLES) {
         brdffit_cli_text_puts(text, "theta_h,theta_d,theta_i,theta_o");
-    else if (samples->normal == NULL)
+    } else if (samples->normal == NULL) {
         brdffit_cli_text_puts(text, "theta_i,phi_i,theta_o,phi_o");
-    else
+    } else {
         brdffit_cli_text_puts(text, "lx,ly,lz,vx,vy,vz,nx,ny,nz");
+    }
     for (size_t k = 0; k < c->fit->model.channels; k++) {
         char number[32];
         (void)snprintf(number, sizeof number, "channel%zu", k + 1);
         const size_t column = c->measured[k];
-        const char *name = c->fit->names != NULL ? c->fit->names[k]
+        const char *name = c->fit->names != NULL    ? c->fit->names[k]
                            : column != BRDFFIT_NONE ? c->table->channel_names[column]
                                                     : number;
         header_field(text, name, "_fit");
@@ -82,27 +88,28 @@ static void header(cli_text *text, const cli_comparison *c)
 
 /* Twelve digits: 1e-12 degrees is far below what any instrument resolves,
  * and 30 degrees read "30". */
-static void angle(cli_text *text, const char *separator, double radians)
+static void angle(struct cli_text *text, const char *separator, double radians)
 {
     double shown = degrees(radians);
-    if (!(fabs(shown) >= 1e-10))
+    if (!(fabs(shown) >= 1e-10)) {
         shown = 0;
+    }
     brdffit_cli_text_printf(text, "%s%.12g", separator, shown);
 }
 
-static void polar(cli_text *text, const char *separator, const double *v)
+static void polar(struct cli_text *text, const char *separator, const double *v)
 {
     const double around = atan2(v[1], v[0]);
     angle(text, separator, atan2(hypot(v[0], v[1]), v[2]));
     angle(text, ",", around < -1e-12 ? around + 2 * 3.14159265358979323846 : around);
 }
 
-static void vector(cli_text *text, const char *separator, const double *v)
+static void vector(struct cli_text *text, const char *separator, const double *v)
 {
     brdffit_cli_text_printf(text, "%s%.17g,%.17g,%.17g", separator, v[0], v[1], v[2]);
 }
 
-static void directions(cli_text *text, const brdffit_samples *s, size_t i)
+static void directions(struct cli_text *text, const brdffit_samples *s, size_t i)
 {
     if (s->form == BRDFFIT_FORM_COEFFICIENTS) {
         brdffit_cli_text_printf(text, "%.17g,%.17g,%.17g", s->a[i], s->b[i], s->c[i]);
@@ -121,11 +128,11 @@ static void directions(cli_text *text, const brdffit_samples *s, size_t i)
     }
 }
 
-int brdffit_cli_eval_rows(const cli_comparison *c, cli_output *output)
+int brdffit_cli_eval_rows(const struct cli_comparison *c, struct cli_output *output)
 {
     const brdffit_samples *const samples = &c->table->samples;
     const size_t channels = c->fit->model.channels;
-    cli_text text = {0};
+    struct cli_text text = {0};
     int failed = 0;
     header(&text, c);
     for (size_t i = 0; i < samples->count && !failed; i++) {
@@ -133,8 +140,9 @@ int brdffit_cli_eval_rows(const cli_comparison *c, cli_output *output)
         for (size_t k = 0; k < channels; k++) {
             const double fitted = c->fitted[i * channels + k];
             brdffit_cli_text_printf(&text, ",%.17g", fitted);
-            if (c->measured[k] == BRDFFIT_NONE)
+            if (c->measured[k] == BRDFFIT_NONE) {
                 continue;
+            }
             const double value = samples->values[i * samples->channels + c->measured[k]];
             brdffit_cli_text_printf(&text, ",%.17g,%.17g", value, value - fitted);
         }
@@ -154,12 +162,13 @@ int brdffit_cli_eval_rows(const cli_comparison *c, cli_output *output)
 /* One residual, in the units that were minimised, on top of what there is. */
 static double accumulate(brdffit_norm norm, double sum, double weight, double residual)
 {
-    if (norm == BRDFFIT_NORM_LINF)
+    if (norm == BRDFFIT_NORM_LINF) {
         return fmax(sum, fabs(residual));
+    }
     return sum + weight * (norm == BRDFFIT_NORM_L1 ? fabs(residual) : residual * residual);
 }
 
-void brdffit_cli_eval_figures(const cli_comparison *c, cli_figures *figures)
+void brdffit_cli_eval_figures(const struct cli_comparison *c, struct cli_figures *figures)
 {
     const brdffit_samples *const samples = &c->table->samples;
     const size_t channels = c->fit->model.channels;
@@ -172,8 +181,9 @@ void brdffit_cli_eval_figures(const cli_comparison *c, cli_figures *figures)
     figures->used = 0;
     memset(figures->rms, 0, channels * sizeof *figures->rms);
     for (size_t i = 0; i < samples->count; i++) {
-        if (!brdffit_cli_is_used(samples, &options, i))
+        if (!brdffit_cli_is_used(samples, &options, i)) {
             continue;
+        }
         const double weight = brdffit_cli_weight(samples, i);
         const double to_radiance = brdffit_cli_to_radiance(samples, i);
         weights += weight;
@@ -184,14 +194,16 @@ void brdffit_cli_eval_figures(const cli_comparison *c, cli_figures *figures)
             const double scale = c->fit->channel_scale[k];
             figures->rms[k] += weight * residual * residual;
             figures->data = accumulate(c->fit->norm, figures->data, weight, value * to_radiance / scale);
-            if (c->fit->norm != BRDFFIT_NORM_L2)
+            if (c->fit->norm != BRDFFIT_NORM_L2) {
                 figures->e2 = accumulate(c->fit->norm, figures->e2, weight, residual / scale);
+            }
         }
     }
     for (size_t k = 0; k < channels; k++) {
         const double scale = c->fit->channel_scale[k];
-        if (c->fit->norm == BRDFFIT_NORM_L2)
+        if (c->fit->norm == BRDFFIT_NORM_L2) {
             figures->e2 += figures->rms[k] / scale / scale;
+        }
         figures->rms[k] = weights > 0 ? sqrt(figures->rms[k] / weights) : 0;
     }
 }

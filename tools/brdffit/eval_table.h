@@ -6,29 +6,29 @@
 #include "json_read.h"
 #include "output.h"
 
-typedef struct cli_comparison {
-    const cli_fit *fit;
+struct cli_comparison {
+    const struct cli_fit *fit;
     const brdffit_table *table;
     const double *fitted; /* samples x channels of the fit, in the file's quantity */
     size_t *measured;     /* per channel of the fit, its column in the table, or BRDFFIT_NONE */
     int complete;         /* every channel of the fit was measured */
-} cli_comparison;
+};
 
 /* Fill `measured` (K entries of the caller): by name, or by position when
  * the line has no names and the counts agree. */
-void brdffit_cli_match_channels(cli_comparison *comparison);
+void brdffit_cli_match_channels(struct cli_comparison *comparison);
 
 /* The table as CSV. 0 when all of it was written. */
-int brdffit_cli_eval_rows(const cli_comparison *comparison, cli_output *output);
+int brdffit_cli_eval_rows(const struct cli_comparison *comparison, struct cli_output *output);
 
-typedef struct cli_figures {
+struct cli_figures {
     double e2;    /* in the norm of the fit and the units that were minimised */
     double data;  /* the same of the zero model: what the data themselves weigh */
     size_t used;  /* samples that they rest on */
     double *rms;  /* K entries of the caller: radiance, the data's units */
-} cli_figures;
+};
 
 /* The objective and RMS over the samples that the fit would use; complete only. */
-void brdffit_cli_eval_figures(const cli_comparison *comparison, cli_figures *figures);
+void brdffit_cli_eval_figures(const struct cli_comparison *comparison, struct cli_figures *figures);
 
 #endif

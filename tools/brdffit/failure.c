@@ -6,8 +6,9 @@
 
 int brdffit_cli_worse_exit(int a, int b)
 {
-    if (a == CLI_EXIT_CERTIFIED || b == CLI_EXIT_CERTIFIED)
+    if (a == CLI_EXIT_CERTIFIED || b == CLI_EXIT_CERTIFIED) {
         return a + b;
+    }
     return a < b ? a : b;
 }
 
@@ -57,17 +58,19 @@ int brdffit_cli_has_value(const brdffit_error *error)
 
 size_t brdffit_cli_error_line(const brdffit_error *error, const brdffit_table *table)
 {
-    if (error->line != BRDFFIT_NONE)
+    if (error->line != BRDFFIT_NONE) {
         return error->line;
-    if (table != NULL && table->lines != NULL && error->sample < table->samples.count)
+    }
+    if (table != NULL && table->lines != NULL && error->sample < table->samples.count) {
         return table->lines[error->sample];
+    }
     return BRDFFIT_NONE;
 }
 
 /* The message and the value. A message that says what its value is, as in
  * "the line is too short (value: fields found)", becomes "the line is too
  * short (fields found: 6)". */
-static void add_message(cli_text *text, const brdffit_error *error)
+static void add_message(struct cli_text *text, const brdffit_error *error)
 {
     const char *message = brdffit_cli_message(error);
     const char *label = strstr(message, "(value: ");
@@ -79,11 +82,12 @@ static void add_message(cli_text *text, const brdffit_error *error)
         return;
     }
     brdffit_cli_text_puts(text, message);
-    if (brdffit_cli_has_value(error))
+    if (brdffit_cli_has_value(error)) {
         brdffit_cli_text_printf(text, ": %.17g", error->value);
+    }
 }
 
-void brdffit_cli_describe(cli_text *text, cli_style style, const brdffit_error *error,
+void brdffit_cli_describe(struct cli_text *text, struct cli_style style, const brdffit_error *error,
                           const brdffit_table *table)
 {
     const size_t line = brdffit_cli_error_line(error, table);
@@ -99,12 +103,14 @@ void brdffit_cli_describe(cli_text *text, cli_style style, const brdffit_error *
     if (error->channel != BRDFFIT_NONE) {
         const int inside = error->column != BRDFFIT_NONE;
         brdffit_cli_text_puts(text, inside ? " (channel " : separator);
-        if (!inside)
+        if (!inside) {
             brdffit_cli_text_puts(text, "channel ");
-        if (table != NULL && error->channel < table->samples.channels)
+        }
+        if (table != NULL && error->channel < table->samples.channels) {
             brdffit_cli_name(text, style, table->channel_names[error->channel]);
-        else
+        } else {
             brdffit_cli_text_printf(text, "%zu", error->channel + 1);
+        }
         brdffit_cli_text_puts(text, inside ? ")" : "");
         separator = ", ";
     }
@@ -116,18 +122,18 @@ void brdffit_cli_describe(cli_text *text, cli_style style, const brdffit_error *
     add_message(text, error);
 }
 
-void brdffit_cli_report_error(const char *path, const brdffit_error *error,
-                              const brdffit_table *table, int system_error)
+void brdffit_cli_report_error(const char *path, const brdffit_error *error, const brdffit_table *table,
+                              int system_error)
 {
-    const cli_style style = brdffit_cli_style(stderr);
-    cli_text text = {0};
+    const struct cli_style style = brdffit_cli_style(stderr);
+    struct cli_text text = {0};
     brdffit_cli_text_puts(&text, "brdffit: ");
     brdffit_cli_name(&text, style, strcmp(path, "-") == 0 ? "standard input" : path);
     brdffit_cli_text_puts(&text, ": ");
     brdffit_cli_describe(&text, style, error, table);
-    if (system_error != 0 &&
-        (error->status == BRDFFIT_ERR_OPEN || error->status == BRDFFIT_ERR_READ))
+    if (system_error != 0 && (error->status == BRDFFIT_ERR_OPEN || error->status == BRDFFIT_ERR_READ)) {
         brdffit_cli_text_printf(&text, " (%s)", strerror(system_error));
+    }
     fprintf(stderr, "%s\n", text.failed ? "brdffit: out of memory" : brdffit_cli_text_string(&text));
     brdffit_cli_text_free(&text);
 }

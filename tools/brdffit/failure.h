@@ -34,13 +34,13 @@ size_t brdffit_cli_error_line(const brdffit_error *error, const brdffit_table *t
 
 /* "line 12, field 6 (channel g), sample 11: value is not a number: nan".
  * Everything counts from 1. `table` may be NULL. */
-void brdffit_cli_describe(cli_text *text, cli_style style, const brdffit_error *error,
+void brdffit_cli_describe(struct cli_text *text, struct cli_style style, const brdffit_error *error,
                           const brdffit_table *table);
 
 /* "brdffit: PATH: ..." on standard error. `system_error` (an errno) is added
  * when it says why a file could not be opened or read; 0: nothing. */
-void brdffit_cli_report_error(const char *path, const brdffit_error *error,
-                              const brdffit_table *table, int system_error);
+void brdffit_cli_report_error(const char *path, const brdffit_error *error, const brdffit_table *table,
+                              int system_error);
 
 /* "brdffit: out of memory" on standard error; returns CLI_EXIT_FAILURE. */
 int brdffit_cli_no_memory(void);

@@ -7,11 +7,11 @@
 #include "job.h"
 #include "term.h"
 
-void brdffit_cli_info_report(cli_text *text, cli_style style, const cli_job *job,
-                             const cli_fitter *fitter, const cli_stats *stats);
+void brdffit_cli_info_report(struct cli_text *text, struct cli_style style, const struct cli_job *job,
+                             const struct cli_fitter *fitter, const struct cli_stats *stats);
 
 /* `stats` NULL: the file failed, and the job says why. */
-void brdffit_cli_info_json(cli_text *text, const cli_job *job, const cli_fitter *fitter,
-                           const cli_stats *stats);
+void brdffit_cli_info_json(struct cli_text *text, const struct cli_job *job, const struct cli_fitter *fitter,
+                           const struct cli_stats *stats);
 
 #endif

@@ -13,12 +13,14 @@ static double degrees(double radians)
     return radians * (180 / 3.14159265358979323846);
 }
 
-static void widen(cli_range *range, double value)
+static void widen(struct cli_range *range, double value)
 {
-    if (value < range->low)
+    if (value < range->low) {
         range->low = value;
-    if (value > range->high)
+    }
+    if (value > range->high) {
         range->high = value;
+    }
 }
 
 static double angle_of(double cosine)
@@ -32,10 +34,10 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void channel_stats(const brdffit_samples *samples, cli_channel_stats *channel)
+static void channel_stats(const brdffit_samples *samples, struct cli_channel_stats *channel)
 {
     for (size_t k = 0; k < samples->channels; k++) {
-        cli_channel_stats s = {INFINITY, 0, -INFINITY, 0};
+        struct cli_channel_stats s = {INFINITY, 0, -INFINITY, 0};
         for (size_t i = 0; i < samples->count; i++) {
             const double value = samples->values[i * samples->channels + k];
             s.low = value < s.low ? value : s.low;
@@ -49,51 +51,55 @@ static void channel_stats(const brdffit_samples *samples, cli_channel_stats *cha
 }
 
 /* Count what is distinct in `alpha`, in radians, sorted on return. */
-static void count_distinct(cli_stats *stats, double *alpha, size_t count)
+static void count_distinct(struct cli_stats *stats, double *alpha, size_t count)
 {
     double last = -1;
     qsort(alpha, count, sizeof *alpha, ascending);
     for (size_t i = 0; i < count; i++) {
-        if (stats->distinct > 0 && !(alpha[i] - last > CLI_SAME_ANGLE))
+        if (stats->distinct > 0 && !(alpha[i] - last > CLI_SAME_ANGLE)) {
             continue;
-        if (stats->distinct < 3)
+        }
+        if (stats->distinct < 3) {
             stats->smallest[stats->distinct] = degrees(alpha[i]);
+        }
         stats->distinct++;
         last = alpha[i];
     }
 }
 
-static void angle_stats(const brdffit_samples *samples, const brdffit_options *options,
-                        cli_stats *stats, double *alpha)
+static void angle_stats(const brdffit_samples *samples, const brdffit_options *options, struct cli_stats *stats,
+                        double *alpha)
 {
     size_t used = 0;
     for (size_t i = 0; i < samples->count; i++) {
-        if (!brdffit_cli_is_used(samples, options, i))
+        if (!brdffit_cli_is_used(samples, options, i)) {
             continue;
-        cli_angles angles;
+        }
+        struct cli_angles angles;
         brdffit_cli_angles(samples, i, &angles);
         alpha[used] = atan(sqrt(angles.tan2_half));
         widen(&stats->half, degrees(alpha[used++]));
-        if (samples->form == BRDFFIT_FORM_COEFFICIENTS)
+        if (samples->form == BRDFFIT_FORM_COEFFICIENTS) {
             continue;
+        }
         widen(&stats->incidence, angle_of(angles.cos_light));
         widen(&stats->view, angle_of(angles.cos_view));
     }
     count_distinct(stats, alpha, used);
 }
 
-brdffit_status brdffit_cli_stats(const brdffit_table *table, const brdffit_options *options,
-                                 cli_stats *stats, brdffit_error *error)
+brdffit_status brdffit_cli_stats(const brdffit_table *table, const brdffit_options *options, struct cli_stats *stats,
+                                 brdffit_error *error)
 {
-    static const cli_range empty = {INFINITY, -INFINITY};
+    static const struct cli_range empty = {INFINITY, -INFINITY};
     const brdffit_samples *const samples = &table->samples;
     memset(stats, 0, sizeof *stats);
     stats->incidence = stats->view = stats->half = empty;
-    const brdffit_status status =
-        brdffit_inspect(samples, options, &stats->used, stats->skipped, error);
+    const brdffit_status status = brdffit_inspect(samples, options, &stats->used, stats->skipped, error);
     /* That nothing is left is an answer here, not a failure. */
-    if (status != BRDFFIT_OK && status != BRDFFIT_ERR_NO_SAMPLES)
+    if (status != BRDFFIT_OK && status != BRDFFIT_ERR_NO_SAMPLES) {
         return status;
+    }
     stats->channel = calloc(samples->channels, sizeof *stats->channel);
     double *const alpha = calloc(stats->used + 1, sizeof *alpha);
     if (stats->channel == NULL || alpha == NULL) {
@@ -111,15 +117,16 @@ brdffit_status brdffit_cli_stats(const brdffit_table *table, const brdffit_optio
     return BRDFFIT_OK;
 }
 
-void brdffit_cli_stats_free(cli_stats *stats)
+void brdffit_cli_stats_free(struct cli_stats *stats)
 {
     free(stats->channel);
     stats->channel = NULL;
 }
 
-double brdffit_cli_resolved_sigma(const cli_stats *stats)
+double brdffit_cli_resolved_sigma(const struct cli_stats *stats)
 {
-    if (stats->distinct < 3)
+    if (stats->distinct < 3) {
         return NAN;
+    }
     return tan(stats->smallest[2] / (180 / 3.14159265358979323846));
 }

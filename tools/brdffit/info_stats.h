@@ -6,36 +6,36 @@
 #include "brdffit.h"
 #include "brdffit_io.h"
 
-typedef struct cli_range {
+struct cli_range {
     double low, high; /* low > high: empty */
-} cli_range;
+};
 
-typedef struct cli_channel_stats {
+struct cli_channel_stats {
     double low, mean, high; /* of every sample that the reader kept */
     size_t negative;
-} cli_channel_stats;
+};
 
-typedef struct cli_stats {
-    cli_channel_stats *channel; /* owned */
+struct cli_stats {
+    struct cli_channel_stats *channel; /* owned */
     size_t used;
     size_t skipped[BRDFFIT_SKIP_COUNT];
-    cli_range incidence; /* degrees, used samples; empty for a,b,c */
-    cli_range view;
-    cli_range half;
+    struct cli_range incidence; /* degrees, used samples; empty for a,b,c */
+    struct cli_range view;
+    struct cli_range half;
     size_t distinct;     /* distinct half angles of the used samples */
     double smallest[3];  /* degrees, the smallest of them, as many as there are */
-} cli_stats;
+};
 
 /* Half angles closer than this count as one: rounding, not design. Radians. */
 #define CLI_SAME_ANGLE 1e-9
 
 /* Fill *stats. On failure *error says why; nothing to release then. */
-brdffit_status brdffit_cli_stats(const brdffit_table *table, const brdffit_options *options,
-                                 cli_stats *stats, brdffit_error *error);
-void brdffit_cli_stats_free(cli_stats *stats);
+brdffit_status brdffit_cli_stats(const brdffit_table *table, const brdffit_options *options, struct cli_stats *stats,
+                                 brdffit_error *error);
+void brdffit_cli_stats_free(struct cli_stats *stats);
 
 /* The roughness below which fewer than three distinct half angles lie inside
  * a lobe (tan alpha <= sigma); NaN when there are fewer than three at all. */
-double brdffit_cli_resolved_sigma(const cli_stats *stats);
+double brdffit_cli_resolved_sigma(const struct cli_stats *stats);
 
 #endif

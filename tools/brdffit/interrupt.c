@@ -22,8 +22,9 @@ static void on_signal(int number)
         interrupted = 1;
         return;
     }
-    if (to_remove != NULL)
+    if (to_remove != NULL) {
         (void)unlink(to_remove);
+    }
     (void)signal(number, SIG_DFL);
     (void)raise(number);
 }
@@ -42,8 +43,9 @@ void brdffit_cli_catch_signals(void)
     for (size_t i = 0; i < ENDING_COUNT; i++) {
         struct sigaction before;
         /* What the caller ignores (nohup, a background job) stays ignored. */
-        if (sigaction(ending[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+        if (sigaction(ending[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN) {
             (void)sigaction(ending[i], &action, NULL);
+        }
     }
 }
 
@@ -69,8 +71,9 @@ void brdffit_cli_remove_on_signal(const char *path)
 {
     sigset_t block, before;
     (void)sigemptyset(&block);
-    for (size_t i = 0; i < ENDING_COUNT; i++)
+    for (size_t i = 0; i < ENDING_COUNT; i++) {
         (void)sigaddset(&block, ending[i]);
+    }
     (void)sigprocmask(SIG_BLOCK, &block, &before);
     to_remove = path;
     (void)sigprocmask(SIG_SETMASK, &before, NULL);

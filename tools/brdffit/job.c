@@ -15,24 +15,26 @@
 double brdffit_cli_clock(void)
 {
     struct timespec now;
-    if (clock_gettime(CLOCK_MONOTONIC, &now) != 0)
+    if (clock_gettime(CLOCK_MONOTONIC, &now) != 0) {
         return 0;
+    }
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 static int on_progress(void *user, const brdffit_progress *progress)
 {
-    cli_fitter *const fitter = user;
-    if (progress->phase == BRDFFIT_PHASE_REDUCED)
+    struct cli_fitter *const fitter = user;
+    if (progress->phase == BRDFFIT_PHASE_REDUCED) {
         fitter->reduced_at = brdffit_cli_clock();
-    else if (fitter->progress != NULL)
+    } else if (fitter->progress != NULL) {
         brdffit_cli_progress_search(fitter->progress, progress);
+    }
     return brdffit_cli_interrupted();
 }
 
 /* ---- Directions of --merl-samples FILE --------------------------------- */
 
-static int load_directions(cli_fitter *fitter, const char *path)
+static int load_directions(struct cli_fitter *fitter, const char *path)
 {
     brdffit_io_options options;
     brdffit_io_options_init(&options);
@@ -48,18 +50,15 @@ static int load_directions(cli_fitter *fitter, const char *path)
         return brdffit_cli_status_exit(status);
     }
     const brdffit_samples *const samples = &fitter->directions->samples;
-    if (samples->form != BRDFFIT_FORM_DIRECTIONS || samples->normal != NULL ||
-        samples->count == 0) {
-        fprintf(stderr,
-                "brdffit: %s: --merl-samples needs directions of light and view, without normals\n",
-                path);
+    if (samples->form != BRDFFIT_FORM_DIRECTIONS || samples->normal != NULL || samples->count == 0) {
+        fprintf(stderr, "brdffit: %s: --merl-samples needs directions of light and view, without normals\n", path);
         return CLI_EXIT_DATA;
     }
     fitter->io.directions = samples;
     return 0;
 }
 
-int brdffit_cli_fitter_init(cli_fitter *fitter, const cli_settings *settings)
+int brdffit_cli_fitter_init(struct cli_fitter *fitter, const struct cli_settings *settings)
 {
     memset(fitter, 0, sizeof *fitter);
     fitter->settings = settings;
@@ -67,12 +66,13 @@ int brdffit_cli_fitter_init(cli_fitter *fitter, const cli_settings *settings)
     fitter->options.progress = on_progress;
     fitter->options.progress_user = fitter;
     brdffit_cli_io_options(settings, &fitter->io);
-    if (fitter->io.merl_sampling != BRDFFIT_IO_MERL_DIRECTIONS)
+    if (fitter->io.merl_sampling != BRDFFIT_IO_MERL_DIRECTIONS) {
         return 0;
+    }
     return load_directions(fitter, settings->merl_samples);
 }
 
-void brdffit_cli_fitter_free(cli_fitter *fitter)
+void brdffit_cli_fitter_free(struct cli_fitter *fitter)
 {
     brdffit_io_free(fitter->directions);
     free(fitter->workspace);
@@ -83,26 +83,26 @@ void brdffit_cli_fitter_free(cli_fitter *fitter)
 /* ---- Files ------------------------------------------------------------- */
 
 /* `options`: of the fit, when the table will be fitted and nothing else, so that sums will do; or NULL. */
-static void read_table(cli_job *job, cli_fitter *fitter, const char *path, const brdffit_options *options)
+static void read_table(struct cli_job *job, struct cli_fitter *fitter, const char *path, const brdffit_options *options)
 {
     memset(job, 0, sizeof *job);
     job->path = path;
     const double start = brdffit_cli_clock();
     errno = 0;
-    job->status = options != NULL
-                      ? brdffit_io_read_sums(path, &fitter->io, options, &job->table, &job->error)
-                      : brdffit_io_read(path, &fitter->io, &job->table, &job->error);
-    if (job->status != BRDFFIT_OK)
+    job->status = options != NULL ? brdffit_io_read_sums(path, &fitter->io, options, &job->table, &job->error)
+                                  : brdffit_io_read(path, &fitter->io, &job->table, &job->error);
+    if (job->status != BRDFFIT_OK) {
         job->system_error = errno;
+    }
     job->read_seconds = brdffit_cli_clock() - start;
 }
 
-void brdffit_cli_job_read(cli_job *job, cli_fitter *fitter, const char *path)
+void brdffit_cli_job_read(struct cli_job *job, struct cli_fitter *fitter, const char *path)
 {
     read_table(job, fitter, path, NULL);
 }
 
-static void fail(cli_job *job, brdffit_status status)
+static void fail(struct cli_job *job, brdffit_status status)
 {
     job->status = status;
     job->error.status = status;
@@ -116,8 +116,9 @@ static void fail(cli_job *job, brdffit_status status)
  * it is released first rather than copied. */
 static int grow(void **workspace, size_t *capacity, size_t size)
 {
-    if (size <= *capacity)
+    if (size <= *capacity) {
         return 1;
+    }
     free(*workspace);
     *workspace = malloc(size);
     *capacity = *workspace == NULL ? 0 : size;
@@ -127,39 +128,39 @@ static int grow(void **workspace, size_t *capacity, size_t size)
 /* Of E^2: where sums know it less well than this, only the samples tell how good the fit is. */
 #define SUMS_ACCURACY 1e-8
 
-static void fit(cli_job *job, cli_fitter *fitter)
+static void fit(struct cli_job *job, struct cli_fitter *fitter)
 {
     const brdffit_samples *const samples = &job->table->samples;
     const brdffit_sums *const sums = job->table->sums;
     /* 0 for options or sizes that brdffit_fit() explains better. */
     const size_t size = sums != NULL ? brdffit_sums_workspace_size(sums, &fitter->options)
-                                     : brdffit_workspace_size(samples->count, samples->channels,
-                                                              &fitter->options);
+                                     : brdffit_workspace_size(samples->count, samples->channels, &fitter->options);
     if (!grow(&fitter->workspace, &fitter->capacity, size > 0 ? size : 1)) {
         fail(job, BRDFFIT_ERR_MEMORY);
         return;
     }
     fitter->reduced_at = 0;
     const double start = brdffit_cli_clock();
-    job->status = sums != NULL ? brdffit_fit_sums(sums, &fitter->options, fitter->workspace,
-                                                  fitter->capacity, &job->result, &job->error)
-                               : brdffit_fit(samples, &fitter->options, fitter->workspace,
-                                             fitter->capacity, &job->result, &job->error);
+    job->status = sums != NULL ? brdffit_fit_sums(sums, &fitter->options, fitter->workspace, fitter->capacity,
+                                                  &job->result, &job->error)
+                               : brdffit_fit(samples, &fitter->options, fitter->workspace, fitter->capacity,
+                                             &job->result, &job->error);
     const double end = brdffit_cli_clock();
     const double reduced = fitter->reduced_at > 0 ? fitter->reduced_at : end;
     job->reduce_seconds = reduced - start;
     job->search_seconds = end - reduced;
 }
 
-static int sums_suffice(const cli_job *job)
+static int sums_suffice(const struct cli_job *job)
 {
-    if (job->status != BRDFFIT_OK) /* a limit of sums, or one that the samples share and explain */
+    if (job->status != BRDFFIT_OK) { /* a limit of sums, or one that the samples share and explain */
         return job->status == BRDFFIT_ERR_NO_SAMPLES || job->status == BRDFFIT_ERR_MEMORY;
+    }
     return job->result.e2_error <= SUMS_ACCURACY * job->result.e2;
 }
 
 /* A bound of 0 needs no proof. */
-static void verify(cli_job *job, cli_fitter *fitter)
+static void verify(struct cli_job *job, struct cli_fitter *fitter)
 {
     const brdffit_samples *const samples = &job->table->samples;
     brdffit_options options = fitter->options;
@@ -176,15 +177,15 @@ static void verify(cli_job *job, cli_fitter *fitter)
         return;
     }
     const double start = brdffit_cli_clock();
-    job->status = brdffit_verify_socp(samples, &options, level, fitter->verify_workspace,
-                                      fitter->verify_capacity, &job->reproof, &job->error);
+    job->status = brdffit_verify_socp(samples, &options, level, fitter->verify_workspace, fitter->verify_capacity,
+                                      &job->reproof, &job->error);
     job->verify_seconds = brdffit_cli_clock() - start;
     job->verified = job->status == BRDFFIT_OK;
 }
 
 /* One lobe for two, so that --stats can say whether the second is of use. The result still points into the fitter's
  * workspace, so this takes that of --verify; a failure here only leaves the statement out. */
-static void fit_one_lobe(cli_job *job, cli_fitter *fitter)
+static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
 {
     const brdffit_samples *const samples = &job->table->samples;
     const brdffit_sums *const sums = job->table->sums;
@@ -194,43 +195,51 @@ static void fit_one_lobe(cli_job *job, cli_fitter *fitter)
     options.progress = NULL;
     const size_t size = sums != NULL ? brdffit_sums_workspace_size(sums, &options)
                                      : brdffit_workspace_size(samples->count, samples->channels, &options);
-    if (size == 0 || !grow(&fitter->verify_workspace, &fitter->verify_capacity, size))
+    if (size == 0 || !grow(&fitter->verify_workspace, &fitter->verify_capacity, size)) {
         return;
-    const brdffit_status status =
-        sums != NULL ? brdffit_fit_sums(sums, &options, fitter->verify_workspace, fitter->verify_capacity, &result, NULL)
-                     : brdffit_fit(samples, &options, fitter->verify_workspace, fitter->verify_capacity, &result, NULL);
+    }
+    const brdffit_status status = sums != NULL ? brdffit_fit_sums(sums, &options, fitter->verify_workspace,
+                                                                  fitter->verify_capacity, &result, NULL)
+                                               : brdffit_fit(samples, &options, fitter->verify_workspace,
+                                                             fitter->verify_capacity, &result, NULL);
     job->one_lobe_fitted = status == BRDFFIT_OK;
     job->one_lobe_e2 = job->one_lobe_fitted ? result.e2 : 0;
 }
 
-void brdffit_cli_job_run(cli_job *job, cli_fitter *fitter, const char *path)
+void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const char *path)
 {
     read_table(job, fitter, path, fitter->settings->verify == NULL ? &fitter->options : NULL);
-    if (job->status == BRDFFIT_OK)
+    if (job->status == BRDFFIT_OK) {
         fit(job, fitter);
+    }
     if (job->table != NULL && job->table->sums != NULL && !sums_suffice(job)) {
         job->status = brdffit_io_samples(job->table, &job->error);
-        if (job->status == BRDFFIT_OK)
+        if (job->status == BRDFFIT_OK) {
             fit(job, fitter);
+        }
     }
-    if (job->status == BRDFFIT_OK && fitter->settings->verify != NULL)
+    if (job->status == BRDFFIT_OK && fitter->settings->verify != NULL) {
         verify(job, fitter);
-    if (job->status == BRDFFIT_OK && fitter->settings->stats && fitter->options.lobes > 1)
+    }
+    if (job->status == BRDFFIT_OK && fitter->settings->stats && fitter->options.lobes > 1) {
         fit_one_lobe(job, fitter);
+    }
 }
 
-void brdffit_cli_job_free(cli_job *job)
+void brdffit_cli_job_free(struct cli_job *job)
 {
     brdffit_io_free(job->table);
     job->table = NULL;
 }
 
-int brdffit_cli_job_exit(const cli_job *job)
+int brdffit_cli_job_exit(const struct cli_job *job)
 {
-    if (job->not_begun)
+    if (job->not_begun) {
         return CLI_EXIT_OPEN;
-    if (job->status != BRDFFIT_OK)
+    }
+    if (job->status != BRDFFIT_OK) {
         return brdffit_cli_status_exit(job->status);
+    }
     const int proven = job->result.certified && (!job->verified || job->reproof.proven);
     return proven ? CLI_EXIT_CERTIFIED : CLI_EXIT_OPEN;
 }
@@ -238,7 +247,8 @@ int brdffit_cli_job_exit(const cli_job *job)
 size_t brdffit_cli_entries(const brdffit_table *table)
 {
     size_t entries = table->samples.count;
-    for (int i = 0; i < BRDFFIT_IO_DROP_COUNT; i++)
+    for (int i = 0; i < BRDFFIT_IO_DROP_COUNT; i++) {
         entries += table->dropped[i];
+    }
     return entries;
 }

@@ -10,8 +10,8 @@
 #include "shard.h"
 
 /* Kept from file to file: the workspace is reused and grows as needed. */
-typedef struct cli_fitter {
-    const cli_settings *settings;
+struct cli_fitter {
+    const struct cli_settings *settings;
     brdffit_options options;
     brdffit_io_options io;
     brdffit_table *directions; /* of --merl-samples FILE; NULL otherwise */
@@ -19,12 +19,12 @@ typedef struct cli_fitter {
     size_t capacity;
     void *verify_workspace; /* of --verify: the result still points into the other one */
     size_t verify_capacity;
-    cli_progress *progress; /* or NULL */
-    const cli_shard *shard; /* of --shard, or NULL */
+    struct cli_progress *progress; /* or NULL */
+    const struct cli_shard *shard; /* of --shard, or NULL */
     double reduced_at;      /* clock when the reduction was done; 0: not yet */
-} cli_fitter;
+};
 
-typedef struct cli_job {
+struct cli_job {
     const char *path;
     size_t position;      /* of --shard: the file's place on the command line, from 1 */
     brdffit_table *table; /* NULL when reading failed */
@@ -41,22 +41,22 @@ typedef struct cli_job {
     double verify_seconds;
     int one_lobe_fitted;   /* --stats, two lobes: one_lobe_e2 is filled in */
     double one_lobe_e2;    /* of the best fit with one lobe */
-} cli_job;
+};
 
 /* Load the directions that the settings name. 0, or the exit code of a
  * failure that is already on stderr. */
-int brdffit_cli_fitter_init(cli_fitter *fitter, const cli_settings *settings);
-void brdffit_cli_fitter_free(cli_fitter *fitter);
+int brdffit_cli_fitter_init(struct cli_fitter *fitter, const struct cli_settings *settings);
+void brdffit_cli_fitter_free(struct cli_fitter *fitter);
 
 /* Read and fit. Release the job before the next one runs. */
-void brdffit_cli_job_run(cli_job *job, cli_fitter *fitter, const char *path);
-void brdffit_cli_job_free(cli_job *job);
+void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const char *path);
+void brdffit_cli_job_free(struct cli_job *job);
 
 /* Read only: table or error. */
-void brdffit_cli_job_read(cli_job *job, cli_fitter *fitter, const char *path);
+void brdffit_cli_job_read(struct cli_job *job, struct cli_fitter *fitter, const char *path);
 
 /* The exit code that this file alone would give. */
-int brdffit_cli_job_exit(const cli_job *job);
+int brdffit_cli_job_exit(const struct cli_job *job);
 
 /* Entries that the file offered: used, skipped and dropped together. */
 size_t brdffit_cli_entries(const brdffit_table *table);

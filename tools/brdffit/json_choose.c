@@ -13,11 +13,11 @@ static const char *string_member(const cJSON *object, const char *name)
     return cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(object, name));
 }
 
-typedef struct choice {
+struct choice {
     cJSON *exact, *base, *any;
     size_t exact_at, base_at, any_at;
     size_t base_count, count;
-} choice;
+};
 
 static const char *last_component(const char *path)
 {
@@ -30,21 +30,24 @@ static int same_file(const cJSON *object, const char *file)
 {
     const char *bytes = string_member(object, "file_bytes");
     const char *name = string_member(object, "file");
-    if (bytes == NULL)
+    if (bytes == NULL) {
         return name != NULL && strcmp(name, file) == 0;
-    if (strlen(bytes) != 2 * strlen(file))
+    }
+    if (strlen(bytes) != 2 * strlen(file)) {
         return 0;
+    }
     for (; *file; file++, bytes += 2) {
         char pair[3];
         (void)snprintf(pair, sizeof pair, "%02x", (unsigned)(unsigned char)*file);
-        if (strncmp(pair, bytes, 2) != 0)
+        if (strncmp(pair, bytes, 2) != 0) {
             return 0;
+        }
     }
     return 1;
 }
 
 /* Keep `object` where it fits; 1 when the choice took it over. */
-static int offer(choice *c, cJSON *object, const char *file, size_t select)
+static int offer(struct choice *c, cJSON *object, const char *file, size_t select)
 {
     const size_t at = ++c->count;
     const char *name = string_member(object, "file");
@@ -53,10 +56,10 @@ static int offer(choice *c, cJSON *object, const char *file, size_t select)
         c->exact_at = at;
         return 1;
     }
-    if (select != 0)
+    if (select != 0) {
         return 0;
-    if (name != NULL && strcmp(last_component(name), last_component(file)) == 0 &&
-        c->base_count++ == 0) {
+    }
+    if (name != NULL && strcmp(last_component(name), last_component(file)) == 0 && c->base_count++ == 0) {
         c->base = object;
         c->base_at = at;
         return 1;
@@ -72,22 +75,22 @@ static int offer(choice *c, cJSON *object, const char *file, size_t select)
 static int bad_json(const char *path, const char *text, const char *at)
 {
     size_t line = 1;
-    for (; text < at; text++)
+    for (; text < at; text++) {
         line += *text == '\n';
-    fprintf(stderr, "brdffit: %s: line %zu: this is not a line of 'brdffit fit --json'\n", path,
-            line);
+    }
+    fprintf(stderr, "brdffit: %s: line %zu: this is not a line of 'brdffit fit --json'\n", path, line);
     return CLI_EXIT_DATA;
 }
 
-static int collect(choice *c, const cli_text *text, const char *path, const char *file,
-                   size_t select)
+static int collect(struct choice *c, const struct cli_text *text, const char *path, const char *file, size_t select)
 {
     const char *at = brdffit_cli_text_string(text);
     const char *const end = at + text->size;
     for (;;) {
         at += strspn(at, " \t\r\n");
-        if (at >= end)
+        if (at >= end) {
             return 0;
+        }
         const char *stop = at;
         cJSON *object = cJSON_ParseWithLengthOpts(at, (size_t)(end - at) + 1, &stop, 0);
         const char *schema = string_member(object, "schema");
@@ -96,15 +99,15 @@ static int collect(choice *c, const cli_text *text, const char *path, const char
             cJSON_Delete(object);
             return bad_json(path, brdffit_cli_text_string(text), where);
         }
-        if (!offer(c, object, file, select))
+        if (!offer(c, object, file, select)) {
             cJSON_Delete(object);
+        }
         at = stop;
     }
 }
 
 /* The chosen one, or NULL with the reason on stderr. */
-static const cJSON *choose(const choice *c, const char *path, const char *file, size_t select,
-                           size_t *at)
+static const cJSON *choose(const struct choice *c, const char *path, const char *file, size_t select, size_t *at)
 {
     if (c->exact != NULL) {
         *at = c->exact_at;
@@ -118,27 +121,27 @@ static const cJSON *choose(const choice *c, const char *path, const char *file, 
         *at = c->any_at;
         return c->any;
     }
-    if (c->count == 0)
+    if (c->count == 0) {
         fprintf(stderr, "brdffit: %s: there is no fit in it\n", path);
-    else if (select != 0)
-        fprintf(stderr, "brdffit: %s: --select %zu, but there are only %zu fits\n", path, select,
-                c->count);
-    else
-        fprintf(stderr,
-                "brdffit: %s: none of its %zu fits is of %s alone; choose one with --select N\n",
-                path, c->count, file);
+    } else if (select != 0) {
+        fprintf(stderr, "brdffit: %s: --select %zu, but there are only %zu fits\n", path, select, c->count);
+    } else {
+        fprintf(stderr, "brdffit: %s: none of its %zu fits is of %s alone; choose one with --select N\n", path,
+                c->count, file);
+    }
     return NULL;
 }
 
-int brdffit_cli_fit_read(cli_fit *fit, const char *path, const char *file, size_t select)
+int brdffit_cli_fit_read(struct cli_fit *fit, const char *path, const char *file, size_t select)
 {
-    cli_text text = {0};
-    choice c;
+    struct cli_text text = {0};
+    struct choice c;
     memset(fit, 0, sizeof *fit);
     memset(&c, 0, sizeof c);
     int code = brdffit_cli_slurp(&text, path);
-    if (code == 0)
+    if (code == 0) {
         code = collect(&c, &text, path, file, select);
+    }
     if (code == 0) {
         const cJSON *object = choose(&c, path, file, select, &fit->line);
         code = object == NULL ? CLI_EXIT_DATA : brdffit_cli_fit_parse(fit, object, path);

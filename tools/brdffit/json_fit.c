@@ -9,14 +9,15 @@
 #include "shard.h"
 #include "words.h"
 
-static void place(cli_json *json, const char *key, size_t value, size_t add)
+static void place(struct cli_json *json, const char *key, size_t value, size_t add)
 {
-    if (value != BRDFFIT_NONE)
+    if (value != BRDFFIT_NONE) {
         brdffit_cli_json_count(json, key, value + add);
+    }
 }
 
 /* Line and column count from 1, sample and channel from 0, as in the API. */
-void brdffit_cli_json_error(cli_json *json, const cli_job *job)
+void brdffit_cli_json_error(struct cli_json *json, const struct cli_job *job)
 {
     const brdffit_error *const error = &job->error;
     brdffit_cli_json_open(json, "error", '{');
@@ -33,47 +34,48 @@ void brdffit_cli_json_error(cli_json *json, const cli_job *job)
     place(json, "sample", error->sample, 0);
     place(json, "channel", error->channel, 0);
     if (brdffit_cli_has_value(error)) {
-        if (error->value - error->value == 0)
+        if (error->value - error->value == 0) {
             brdffit_cli_json_number(json, "value", error->value);
-        else
-            brdffit_cli_json_string(json, "value",
-                                    error->value > 0 ? "inf" : error->value < 0 ? "-inf" : "nan");
+        } else {
+            brdffit_cli_json_string(json, "value", error->value > 0 ? "inf" : error->value < 0 ? "-inf" : "nan");
+        }
     }
     brdffit_cli_json_close(json, '}');
 }
 
-void brdffit_cli_json_channels(cli_json *json, const brdffit_table *table)
+void brdffit_cli_json_channels(struct cli_json *json, const brdffit_table *table)
 {
     brdffit_cli_json_open(json, "channels", '[');
-    for (size_t k = 0; k < table->samples.channels; k++)
+    for (size_t k = 0; k < table->samples.channels; k++) {
         brdffit_cli_json_string(json, NULL, table->channel_names[k]);
+    }
     brdffit_cli_json_close(json, ']');
 }
 
-static void directions(cli_json *json, const brdffit_samples *samples)
+static void directions(struct cli_json *json, const brdffit_samples *samples)
 {
     brdffit_cli_json_open(json, "merl_directions", '[');
     for (size_t i = 0; i < samples->count; i++) {
         brdffit_cli_json_open(json, NULL, '[');
-        for (size_t k = 0; k < 3; k++)
+        for (size_t k = 0; k < 3; k++) {
             brdffit_cli_json_number(json, NULL, samples->light[3 * i + k]);
-        for (size_t k = 0; k < 3; k++)
+        }
+        for (size_t k = 0; k < 3; k++) {
             brdffit_cli_json_number(json, NULL, samples->view[3 * i + k]);
+        }
         brdffit_cli_json_close(json, ']');
     }
     brdffit_cli_json_close(json, ']');
 }
 
 /* How the file was read. */
-void brdffit_cli_json_source(cli_json *json, const cli_job *job, const cli_settings *settings)
+void brdffit_cli_json_source(struct cli_json *json, const struct cli_job *job, const struct cli_settings *settings)
 {
     const brdffit_table *const table = job->table;
     const int merl = table->format == BRDFFIT_IO_FORMAT_MERL;
-    brdffit_cli_json_string(json, "format",
-                            brdffit_cli_choice_name(brdffit_cli_format_choices, (int)table->format));
-    brdffit_cli_json_string(
-        json, "quantity",
-        brdffit_cli_choice_name(brdffit_cli_quantity_choices, (int)table->samples.quantity));
+    brdffit_cli_json_string(json, "format", brdffit_cli_choice_name(brdffit_cli_format_choices, (int)table->format));
+    brdffit_cli_json_string(json, "quantity",
+                            brdffit_cli_choice_name(brdffit_cli_quantity_choices, (int)table->samples.quantity));
     if (!merl) {
         brdffit_cli_json_null(json, "merl_bins");
         brdffit_cli_json_null(json, "merl_samples");
@@ -84,32 +86,35 @@ void brdffit_cli_json_source(cli_json *json, const cli_job *job, const cli_setti
     brdffit_cli_json_string(json, "merl_samples", settings->merl_samples);
 }
 
-void brdffit_cli_json_skipped(cli_json *json, const size_t *skipped, const brdffit_table *table)
+void brdffit_cli_json_skipped(struct cli_json *json, const size_t *skipped, const brdffit_table *table)
 {
     brdffit_cli_json_open(json, "samples_skipped", '{');
-    for (int i = 0; i < BRDFFIT_SKIP_COUNT; i++)
+    for (int i = 0; i < BRDFFIT_SKIP_COUNT; i++) {
         brdffit_cli_json_count(json, brdffit_skip_string((brdffit_skip)i), skipped[i]);
-    for (int i = 0; i < BRDFFIT_IO_DROP_COUNT; i++)
-        brdffit_cli_json_count(json, brdffit_io_drop_string((brdffit_io_drop)i),
-                               table->dropped[i]);
+    }
+    for (int i = 0; i < BRDFFIT_IO_DROP_COUNT; i++) {
+        brdffit_cli_json_count(json, brdffit_io_drop_string((brdffit_io_drop)i), table->dropped[i]);
+    }
     brdffit_cli_json_close(json, '}');
 }
 
-static void parameters(cli_json *json, const brdffit_result *result)
+static void parameters(struct cli_json *json, const brdffit_result *result)
 {
     const brdffit_model *const model = &result->model;
     const size_t lobes = (size_t)model->lobes;
     brdffit_cli_json_numbers(json, "sigma", model->sigma, lobes);
     if (brdffit_cli_by_exponent(model->distribution)) {
         brdffit_cli_json_open(json, "exponent", '[');
-        for (size_t p = 0; p < lobes; p++)
+        for (size_t p = 0; p < lobes; p++) {
             brdffit_cli_json_number(json, NULL, result->lobe[p].exponent);
+        }
         brdffit_cli_json_close(json, ']');
     }
     brdffit_cli_json_numbers(json, "x", model->x, model->channels);
     brdffit_cli_json_open(json, "y", '[');
-    for (size_t k = 0; k < model->channels; k++)
+    for (size_t k = 0; k < model->channels; k++) {
         brdffit_cli_json_numbers(json, NULL, model->y + k * lobes, lobes);
+    }
     brdffit_cli_json_close(json, ']');
     brdffit_cli_json_numbers(json, "channel_scale", result->channel_scale, model->channels);
     brdffit_cli_json_number(json, "e2", result->e2);
@@ -123,10 +128,11 @@ static void parameters(cli_json *json, const brdffit_result *result)
     brdffit_cli_json_number(json, "kkt_residual", result->kkt_residual);
 }
 
-static void exponent_intervals(cli_json *json, const brdffit_result *result)
+static void exponent_intervals(struct cli_json *json, const brdffit_result *result)
 {
-    if (!brdffit_cli_by_exponent(result->model.distribution))
+    if (!brdffit_cli_by_exponent(result->model.distribution)) {
         return;
+    }
     brdffit_cli_json_open(json, "exponent_interval", '[');
     for (int p = 0; p < result->model.lobes; p++) {
         const double ends[2] = {result->lobe[p].exponent_low, result->lobe[p].exponent_high};
@@ -135,16 +141,18 @@ static void exponent_intervals(cli_json *json, const brdffit_result *result)
     brdffit_cli_json_close(json, ']');
 }
 
-static void lobes(cli_json *json, const brdffit_result *result)
+static void lobes(struct cli_json *json, const brdffit_result *result)
 {
     const int count = result->model.lobes;
     brdffit_cli_json_open(json, "weight", '[');
-    for (int p = 0; p < count; p++)
+    for (int p = 0; p < count; p++) {
         brdffit_cli_json_number(json, NULL, result->lobe[p].weight);
+    }
     brdffit_cli_json_close(json, ']');
     brdffit_cli_json_open(json, "effective_samples", '[');
-    for (int p = 0; p < count; p++)
+    for (int p = 0; p < count; p++) {
         brdffit_cli_json_number(json, NULL, result->lobe[p].effective_samples);
+    }
     brdffit_cli_json_close(json, ']');
     brdffit_cli_json_open(json, "sigma_interval", '[');
     for (int p = 0; p < count; p++) {
@@ -156,15 +164,17 @@ static void lobes(cli_json *json, const brdffit_result *result)
     brdffit_cli_json_open(json, "warnings", '[');
     for (int p = 0; p < count; p++) {
         brdffit_cli_json_open(json, NULL, '[');
-        for (unsigned bit = 1; bit != 0 && bit <= result->lobe[p].warnings; bit <<= 1)
-            if (result->lobe[p].warnings & bit)
+        for (unsigned bit = 1; bit != 0 && bit <= result->lobe[p].warnings; bit <<= 1) {
+            if (result->lobe[p].warnings & bit) {
                 brdffit_cli_json_string(json, NULL, brdffit_cli_warning_name(bit));
+            }
+        }
         brdffit_cli_json_close(json, ']');
     }
     brdffit_cli_json_close(json, ']');
 }
 
-void brdffit_cli_json_options(cli_json *json, const brdffit_options *o)
+void brdffit_cli_json_options(struct cli_json *json, const brdffit_options *o)
 {
     const double exponents[2] = {o->exponent_min, o->exponent_max};
     const int by_exponent = brdffit_cli_by_exponent(o->distribution);
@@ -173,8 +183,9 @@ void brdffit_cli_json_options(cli_json *json, const brdffit_options *o)
     brdffit_cli_json_string(json, "normalise",
                             brdffit_cli_choice_name(brdffit_cli_normalise_choices, (int)o->normalise));
     brdffit_cli_json_numbers(json, "sigma_range", range, 2);
-    if (by_exponent)
+    if (by_exponent) {
         brdffit_cli_json_numbers(json, "exponent_range", exponents, 2);
+    }
     brdffit_cli_json_number(json, "relative_gap", o->relative_gap);
     brdffit_cli_json_number(json, "absolute_gap", o->absolute_gap);
     brdffit_cli_json_number(json, "sigma_resolution", o->sigma_resolution);
@@ -183,7 +194,7 @@ void brdffit_cli_json_options(cli_json *json, const brdffit_options *o)
 }
 
 /* What ECOS did; null when it was not used. */
-static void socp(cli_json *json, const brdffit_result *result)
+static void socp(struct cli_json *json, const brdffit_result *result)
 {
     if (result->socp_solved + result->socp_decided == 0) {
         brdffit_cli_json_null(json, "socp");
@@ -197,7 +208,7 @@ static void socp(cli_json *json, const brdffit_result *result)
 }
 
 /* --verify; null without. */
-static void verification(cli_json *json, const cli_job *job)
+static void verification(struct cli_json *json, const struct cli_job *job)
 {
     const brdffit_reproof *const r = &job->reproof;
     if (!job->verified) {
@@ -209,10 +220,11 @@ static void verification(cli_json *json, const cli_job *job)
     brdffit_cli_json_number(json, "level", r->level);
     brdffit_cli_json_bool(json, "proven", r->proven);
     brdffit_cli_json_number(json, "unproven", r->unproven);
-    if (r->proven)
+    if (r->proven) {
         brdffit_cli_json_null(json, "stop");
-    else
+    } else {
         brdffit_cli_json_string(json, "stop", brdffit_stop_string(r->stop));
+    }
     brdffit_cli_json_count(json, "boxes", r->boxes);
     brdffit_cli_json_count(json, "leaves", r->leaves);
     brdffit_cli_json_count(json, "solved", r->solved);
@@ -222,7 +234,7 @@ static void verification(cli_json *json, const cli_job *job)
     brdffit_cli_json_close(json, '}');
 }
 
-static void result_members(cli_json *json, const cli_job *job, const cli_fitter *fitter)
+static void result_members(struct cli_json *json, const struct cli_job *job, const struct cli_fitter *fitter)
 {
     const brdffit_result *const result = &job->result;
     parameters(json, result);
@@ -238,33 +250,34 @@ static void result_members(cli_json *json, const cli_job *job, const cli_fitter 
     brdffit_cli_json_channels(json, job->table);
     brdffit_cli_json_options(json, &fitter->options);
     brdffit_cli_json_source(json, job, fitter->settings);
-    if (job->table->format == BRDFFIT_IO_FORMAT_MERL && fitter->io.directions != NULL)
+    if (job->table->format == BRDFFIT_IO_FORMAT_MERL && fitter->io.directions != NULL) {
         directions(json, fitter->io.directions);
+    }
 }
 
-void brdffit_cli_json_fit(cli_text *text, const cli_job *job, const cli_fitter *fitter)
+void brdffit_cli_json_fit(struct cli_text *text, const struct cli_job *job, const struct cli_fitter *fitter)
 {
-    cli_json json = {text, 0};
+    struct cli_json json = {text, 0};
     const size_t start = text->size;
     const int fitted = job->status == BRDFFIT_OK && !job->not_begun;
     brdffit_cli_json_open(&json, NULL, '{');
     brdffit_cli_json_string(&json, "schema", "brdffit.fit/1");
     brdffit_cli_json_path(&json, job->path);
-    brdffit_cli_json_string(&json, "status",
-                            !fitted ? "error"
-                                    : job->result.certified ? "certified" : "gap_open");
-    if (!fitted)
+    brdffit_cli_json_string(&json, "status", !fitted ? "error" : job->result.certified ? "certified" : "gap_open");
+    if (!fitted) {
         brdffit_cli_json_error(&json, job);
-    brdffit_cli_json_string(&json, "distribution",
-                            brdffit_distribution_string(fitter->options.distribution));
+    }
+    brdffit_cli_json_string(&json, "distribution", brdffit_distribution_string(fitter->options.distribution));
     brdffit_cli_json_string(&json, "norm", brdffit_norm_string(fitter->options.norm));
-    if (fitter->options.norm == BRDFFIT_NORM_L2)
+    if (fitter->options.norm == BRDFFIT_NORM_L2) {
         brdffit_cli_json_string(&json, "engine", brdffit_engine_string(fitter->options.engine));
-    else
+    } else {
         brdffit_cli_json_null(&json, "engine");
+    }
     brdffit_cli_json_count(&json, "lobes", (size_t)fitter->options.lobes);
-    if (fitted)
+    if (fitted) {
         result_members(&json, job, fitter);
+    }
     if (!job->not_begun) {
         brdffit_cli_json_open(&json, "seconds", '{');
         brdffit_cli_json_number(&json, "read", job->read_seconds);
@@ -272,8 +285,9 @@ void brdffit_cli_json_fit(cli_text *text, const cli_job *job, const cli_fitter *
         brdffit_cli_json_number(&json, "search", job->search_seconds);
         brdffit_cli_json_close(&json, '}');
     }
-    if (fitter->shard != NULL)
+    if (fitter->shard != NULL) {
         brdffit_cli_shard_stamp(text, start, fitter->shard, job->position);
+    }
     brdffit_cli_json_close(&json, '}');
     brdffit_cli_text_puts(text, "\n");
 }

@@ -7,15 +7,15 @@
 #include "json_write.h"
 
 /* One line, newline included. */
-void brdffit_cli_json_fit(cli_text *text, const cli_job *job, const cli_fitter *fitter);
+void brdffit_cli_json_fit(struct cli_text *text, const struct cli_job *job, const struct cli_fitter *fitter);
 
 /* What the fit was asked for, and where its proof holds: also of maps. */
-void brdffit_cli_json_options(cli_json *json, const brdffit_options *o);
+void brdffit_cli_json_options(struct cli_json *json, const brdffit_options *o);
 
 /* Members that fit and info lines share. */
-void brdffit_cli_json_error(cli_json *json, const cli_job *job);
-void brdffit_cli_json_source(cli_json *json, const cli_job *job, const cli_settings *settings);
-void brdffit_cli_json_skipped(cli_json *json, const size_t *skipped, const brdffit_table *table);
-void brdffit_cli_json_channels(cli_json *json, const brdffit_table *table);
+void brdffit_cli_json_error(struct cli_json *json, const struct cli_job *job);
+void brdffit_cli_json_source(struct cli_json *json, const struct cli_job *job, const struct cli_settings *settings);
+void brdffit_cli_json_skipped(struct cli_json *json, const size_t *skipped, const brdffit_table *table);
+void brdffit_cli_json_channels(struct cli_json *json, const brdffit_table *table);
 
 #endif

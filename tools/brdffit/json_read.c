@@ -24,30 +24,34 @@ static const char *string_member(const cJSON *object, const char *name)
 /* Store `count` numbers that are finite and not below `low`. */
 static int numbers(const cJSON *array, double *out, size_t count, double low)
 {
-    if (!cJSON_IsArray(array) || (size_t)cJSON_GetArraySize(array) != count)
+    if (!cJSON_IsArray(array) || (size_t)cJSON_GetArraySize(array) != count) {
         return 0;
+    }
     const cJSON *item;
-    cJSON_ArrayForEach(item, array) {
-        if (!cJSON_IsNumber(item) || !(item->valuedouble >= low && item->valuedouble <= 1e308))
+    cJSON_ArrayForEach(item, array)
+    {
+        if (!cJSON_IsNumber(item) || !(item->valuedouble >= low && item->valuedouble <= 1e308)) {
             return 0;
+        }
         *out++ = item->valuedouble;
     }
     return 1;
 }
 
 /* Returns 1, or 0 when the member exists and names none of the choices. */
-static int choice_member(const cJSON *object, const char *name, const cli_choice *choices,
-                         int *value)
+static int choice_member(const cJSON *object, const char *name, const struct cli_choice *choices, int *value)
 {
     const cJSON *const item = member(object, name);
-    if (item == NULL || cJSON_IsNull(item))
+    if (item == NULL || cJSON_IsNull(item)) {
         return 1;
+    }
     const char *string = cJSON_GetStringValue(item);
-    for (; string != NULL && choices->name != NULL; choices++)
+    for (; string != NULL && choices->name != NULL; choices++) {
         if (strcmp(choices->name, string) == 0) {
             *value = choices->value;
             return 1;
         }
+    }
     return 0;
 }
 
@@ -55,19 +59,22 @@ static int choice_member(const cJSON *object, const char *name, const cli_choice
 
 /* The members that a fit cannot do without, in one block of numbers:
  * x, channel_scale, rms (K each), y (K P). Returns the name of a bad one. */
-static const char *read_model(cli_fit *fit, const cJSON *object)
+static const char *read_model(struct cli_fit *fit, const cJSON *object)
 {
     const cJSON *const lobes = member(object, "lobes");
     const cJSON *const x = member(object, "x");
-    if (!cJSON_IsNumber(lobes) || (lobes->valueint != 1 && lobes->valueint != 2))
+    if (!cJSON_IsNumber(lobes) || (lobes->valueint != 1 && lobes->valueint != 2)) {
         return "lobes";
-    if (!cJSON_IsArray(x) || cJSON_GetArraySize(x) < 1)
+    }
+    if (!cJSON_IsArray(x) || cJSON_GetArraySize(x) < 1) {
         return "x";
+    }
     const size_t channels = (size_t)cJSON_GetArraySize(x);
     const size_t p = (size_t)lobes->valueint;
     fit->numbers = calloc(channels, (3 + p) * sizeof *fit->numbers);
-    if (fit->numbers == NULL)
+    if (fit->numbers == NULL) {
         return "memory";
+    }
     double *const scale = fit->numbers + channels;
     double *const rms = scale + channels;
     double *const y = rms + channels;
@@ -79,67 +86,81 @@ static const char *read_model(cli_fit *fit, const cJSON *object)
     fit->rms = rms;
     int distribution = CLI_UNSET;
     if (!choice_member(object, "distribution", brdffit_cli_distribution_choices, &distribution) ||
-        distribution == CLI_UNSET)
+        distribution == CLI_UNSET) {
         return "distribution";
+    }
     fit->model.distribution = (brdffit_distribution)distribution;
-    if (!numbers(member(object, "sigma"), fit->model.sigma, p, 1e-300))
+    if (!numbers(member(object, "sigma"), fit->model.sigma, p, 1e-300)) {
         return "sigma";
-    if (!numbers(x, fit->numbers, channels, 0))
+    }
+    if (!numbers(x, fit->numbers, channels, 0)) {
         return "x";
-    if (!numbers(member(object, "channel_scale"), scale, channels, 1e-300))
+    }
+    if (!numbers(member(object, "channel_scale"), scale, channels, 1e-300)) {
         return "channel_scale";
-    if (!numbers(member(object, "rms"), rms, channels, 0))
+    }
+    if (!numbers(member(object, "rms"), rms, channels, 0)) {
         return "rms";
+    }
     const cJSON *const rows = member(object, "y");
-    if (!cJSON_IsArray(rows) || (size_t)cJSON_GetArraySize(rows) != channels)
+    if (!cJSON_IsArray(rows) || (size_t)cJSON_GetArraySize(rows) != channels) {
         return "y";
+    }
     size_t k = 0;
     const cJSON *row;
-    cJSON_ArrayForEach(row, rows)
-        if (!numbers(row, y + p * k++, p, 0))
-            return "y";
+    cJSON_ArrayForEach(row, rows) if (!numbers(row, y + p * k++, p, 0)) return "y";
     return NULL;
 }
 
-static const char *read_names(cli_fit *fit, const cJSON *object)
+static const char *read_names(struct cli_fit *fit, const cJSON *object)
 {
     const cJSON *const array = member(object, "channels");
-    if (array == NULL)
+    if (array == NULL) {
         return NULL;
-    if (!cJSON_IsArray(array) || (size_t)cJSON_GetArraySize(array) != fit->model.channels)
+    }
+    if (!cJSON_IsArray(array) || (size_t)cJSON_GetArraySize(array) != fit->model.channels) {
         return "channels";
+    }
     fit->names = calloc(fit->model.channels, sizeof *fit->names);
-    if (fit->names == NULL)
+    if (fit->names == NULL) {
         return "memory";
+    }
     size_t k = 0;
     const cJSON *item;
-    cJSON_ArrayForEach(item, array) {
-        if (!cJSON_IsString(item))
+    cJSON_ArrayForEach(item, array)
+    {
+        if (!cJSON_IsString(item)) {
             return "channels";
+        }
         const size_t size = strlen(item->valuestring) + 1;
         fit->names[k] = malloc(size);
-        if (fit->names[k] == NULL)
+        if (fit->names[k] == NULL) {
             return "memory";
+        }
         memcpy(fit->names[k++], item->valuestring, size);
     }
     return NULL;
 }
 
-static const char *read_directions(cli_fit *fit, const cJSON *object)
+static const char *read_directions(struct cli_fit *fit, const cJSON *object)
 {
     const cJSON *const array = member(object, "merl_directions");
-    if (!cJSON_IsArray(array) || cJSON_GetArraySize(array) < 1)
+    if (!cJSON_IsArray(array) || cJSON_GetArraySize(array) < 1) {
         return "merl_directions";
+    }
     const size_t count = (size_t)cJSON_GetArraySize(array);
     fit->vectors = calloc(count, 6 * sizeof *fit->vectors);
-    if (fit->vectors == NULL)
+    if (fit->vectors == NULL) {
         return "memory";
+    }
     size_t i = 0;
     const cJSON *item;
-    cJSON_ArrayForEach(item, array) {
+    cJSON_ArrayForEach(item, array)
+    {
         double pair[6];
-        if (!numbers(item, pair, 6, -1e308))
+        if (!numbers(item, pair, 6, -1e308)) {
             return "merl_directions";
+        }
         memcpy(fit->vectors + 3 * i, pair, 3 * sizeof *pair);
         memcpy(fit->vectors + 3 * (count + i), pair + 3, 3 * sizeof *pair);
         i++;
@@ -153,21 +174,25 @@ static const char *read_directions(cli_fit *fit, const cJSON *object)
 }
 
 /* How the file was read, and which of its samples count. */
-static const char *read_source(cli_fit *fit, const cJSON *object)
+static const char *read_source(struct cli_fit *fit, const cJSON *object)
 {
-    if (!choice_member(object, "quantity", brdffit_cli_quantity_choices, &fit->quantity))
+    if (!choice_member(object, "quantity", brdffit_cli_quantity_choices, &fit->quantity)) {
         return "quantity";
-    if (!choice_member(object, "merl_bins", brdffit_cli_bins_choices, &fit->merl_bins))
+    }
+    if (!choice_member(object, "merl_bins", brdffit_cli_bins_choices, &fit->merl_bins)) {
         return "merl_bins";
+    }
     const cJSON *const incidence = member(object, "max_incidence");
     if (incidence != NULL) {
-        if (!cJSON_IsNumber(incidence) || !(incidence->valuedouble > 0))
+        if (!cJSON_IsNumber(incidence) || !(incidence->valuedouble > 0)) {
             return "max_incidence";
+        }
         fit->max_incidence = incidence->valuedouble;
     }
     const char *samples = string_member(object, "merl_samples");
-    if (samples == NULL || strcmp(samples, "table") == 0)
+    if (samples == NULL || strcmp(samples, "table") == 0) {
         return NULL;
+    }
     if (strcmp(samples, "84") == 0) {
         fit->merl_sampling = BRDFFIT_IO_MERL_PROTOCOL84;
         return NULL;
@@ -177,56 +202,62 @@ static const char *read_source(cli_fit *fit, const cJSON *object)
 }
 
 /* What was minimised, and how small it was. */
-static const char *read_objective(cli_fit *fit, const cJSON *object)
+static const char *read_objective(struct cli_fit *fit, const cJSON *object)
 {
     int norm = BRDFFIT_NORM_L2;
-    if (!choice_member(object, "norm", brdffit_cli_norm_choices, &norm))
+    if (!choice_member(object, "norm", brdffit_cli_norm_choices, &norm)) {
         return "norm";
+    }
     fit->norm = (brdffit_norm)norm;
     const cJSON *const e2 = member(object, "e2");
-    if (!cJSON_IsNumber(e2) || !(e2->valuedouble >= 0))
+    if (!cJSON_IsNumber(e2) || !(e2->valuedouble >= 0)) {
         return "e2";
+    }
     fit->e2 = e2->valuedouble;
     return NULL;
 }
 
 /* The name of the member that makes the fit unusable, or NULL. */
-static const char *read_fit(cli_fit *fit, const cJSON *object)
+static const char *read_fit(struct cli_fit *fit, const cJSON *object)
 {
     brdffit_options defaults;
     brdffit_options_init(&defaults);
     fit->max_incidence = defaults.max_incidence;
     fit->quantity = CLI_UNSET;
     const char *bad = read_model(fit, object);
-    if (bad == NULL)
+    if (bad == NULL) {
         bad = read_names(fit, object);
-    if (bad == NULL)
+    }
+    if (bad == NULL) {
         bad = read_source(fit, object);
+    }
     return bad != NULL ? bad : read_objective(fit, object);
 }
 
-int brdffit_cli_fit_parse(cli_fit *fit, const cJSON *object, const char *path)
+int brdffit_cli_fit_parse(struct cli_fit *fit, const cJSON *object, const char *path)
 {
     const char *status = string_member(object, "status");
     if (status != NULL && strcmp(status, "error") == 0) {
         const char *why = string_member(member(object, "error"), "message");
-        fprintf(stderr, "brdffit: %s: fit %zu failed: %s\n", path, fit->line,
-                why == NULL ? "no reason given" : why);
+        fprintf(stderr, "brdffit: %s: fit %zu failed: %s\n", path, fit->line, why == NULL ? "no reason given" : why);
         return CLI_EXIT_DATA;
     }
     const char *bad = read_fit(fit, object);
-    if (bad == NULL)
+    if (bad == NULL) {
         return 0;
-    if (strcmp(bad, "memory") == 0)
+    }
+    if (strcmp(bad, "memory") == 0) {
         return brdffit_cli_no_memory();
+    }
     fprintf(stderr, "brdffit: %s: fit %zu: \"%s\" is missing or wrong\n", path, fit->line, bad);
     return CLI_EXIT_DATA;
 }
 
-void brdffit_cli_fit_free(cli_fit *fit)
+void brdffit_cli_fit_free(struct cli_fit *fit)
 {
-    for (size_t k = 0; fit->names != NULL && k < fit->model.channels; k++)
+    for (size_t k = 0; fit->names != NULL && k < fit->model.channels; k++) {
         free(fit->names[k]);
+    }
     free(fit->names);
     free(fit->numbers);
     free(fit->vectors);

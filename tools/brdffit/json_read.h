@@ -8,7 +8,7 @@
 #include "settings.h"
 
 /* A fit as its line records it. All pointers belong to the struct. */
-typedef struct cli_fit {
+struct cli_fit {
     brdffit_model model; /* x and y point into `numbers` */
     const double *channel_scale;
     const double *rms;
@@ -23,17 +23,17 @@ typedef struct cli_fit {
     size_t line;        /* which fit of its file, from 1 */
     double *numbers;    /* storage */
     double *vectors;    /* storage of directions */
-} cli_fit;
+};
 
 /* Find the fit of `file` in the JSON of `path` ("-": standard input): number
  * `select` if that is not 0; else the one whose "file" is `file`, or has its
  * last component when only one does; else the only one. Returns 0, or an
  * exit code when the reason is on stderr. */
-int brdffit_cli_fit_read(cli_fit *fit, const char *path, const char *file, size_t select);
+int brdffit_cli_fit_read(struct cli_fit *fit, const char *path, const char *file, size_t select);
 
 /* Read fit number fit->line from its JSON object; the same answers. */
-int brdffit_cli_fit_parse(cli_fit *fit, const cJSON *object, const char *path);
+int brdffit_cli_fit_parse(struct cli_fit *fit, const cJSON *object, const char *path);
 
-void brdffit_cli_fit_free(cli_fit *fit);
+void brdffit_cli_fit_free(struct cli_fit *fit);
 
 #endif

@@ -8,24 +8,24 @@
 
 #include "text.h"
 
-typedef struct cli_json {
-    cli_text *text;
+struct cli_json {
+    struct cli_text *text;
     int comma; /* a comma is due before the next value or key */
-} cli_json;
+};
 
 /* `key` NULL: an element of an array, or the outermost value. */
-void brdffit_cli_json_open(cli_json *json, const char *key, char bracket);
-void brdffit_cli_json_close(cli_json *json, char bracket);
-void brdffit_cli_json_string(cli_json *json, const char *key, const char *value);
-void brdffit_cli_json_number(cli_json *json, const char *key, double value);
-void brdffit_cli_json_count(cli_json *json, const char *key, size_t value);
-void brdffit_cli_json_null(cli_json *json, const char *key);
-void brdffit_cli_json_bool(cli_json *json, const char *key, int value);
+void brdffit_cli_json_open(struct cli_json *json, const char *key, char bracket);
+void brdffit_cli_json_close(struct cli_json *json, char bracket);
+void brdffit_cli_json_string(struct cli_json *json, const char *key, const char *value);
+void brdffit_cli_json_number(struct cli_json *json, const char *key, double value);
+void brdffit_cli_json_count(struct cli_json *json, const char *key, size_t value);
+void brdffit_cli_json_null(struct cli_json *json, const char *key);
+void brdffit_cli_json_bool(struct cli_json *json, const char *key, int value);
 
 /* `values` may be NULL when `count` is 0. */
-void brdffit_cli_json_numbers(cli_json *json, const char *key, const double *values, size_t count);
+void brdffit_cli_json_numbers(struct cli_json *json, const char *key, const double *values, size_t count);
 
 /* "file", and when the path is not UTF-8 also "file_bytes" in hexadecimal. */
-void brdffit_cli_json_path(cli_json *json, const char *path);
+void brdffit_cli_json_path(struct cli_json *json, const char *path);
 
 #endif

@@ -16,14 +16,14 @@
 #include "output.h"
 #include "suggest.h"
 
-typedef struct command {
+struct command {
     const char *name;
     int (*run)(int argc, char **argv);
     void (*help)(void);
     const char *summary;
-} command;
+};
 
-static const command commands[] = {
+static const struct command commands[] = {
     {"fit", brdffit_cli_fit, brdffit_cli_fit_help, "fit a model to measured files, with proof"},
     {"eval", brdffit_cli_eval, brdffit_cli_eval_help, "evaluate a fit at a file's directions"},
     {"map", brdffit_cli_map, brdffit_cli_map_help, "fit every texel of a stack of images"},
@@ -37,47 +37,56 @@ static const command commands[] = {
  * still fails: standard input cannot be read, the others cannot be written. */
 static void guard_descriptors(void)
 {
-    for (int descriptor = 0; descriptor < 3; descriptor++)
-        if (fcntl(descriptor, F_GETFD) == -1 && errno == EBADF)
+    for (int descriptor = 0; descriptor < 3; descriptor++) {
+        if (fcntl(descriptor, F_GETFD) == -1 && errno == EBADF) {
             (void)open("/dev/null", descriptor == 0 ? O_WRONLY : O_RDONLY);
+        }
+    }
 }
 
 static void usage(FILE *out)
 {
     fputs("Usage: brdffit COMMAND ...\n\n", out);
-    for (size_t i = 0; i < COMMAND_COUNT; i++)
+    for (size_t i = 0; i < COMMAND_COUNT; i++) {
         fprintf(out, "  %-6s %s\n", commands[i].name, commands[i].summary);
+    }
     fputs("  report pages that show fits, their proofs and residuals (of the Python package)\n", out);
     fputs("\n'brdffit COMMAND --help' explains a command; 'brdffit --version' tells the\n"
           "version. Any other NAME runs the program brdffit-NAME from your PATH.\n",
           out);
 }
 
-static const command *find_command(const char *name)
+static const struct command *find_command(const char *name)
 {
-    for (size_t i = 0; i < COMMAND_COUNT; i++)
-        if (strcmp(commands[i].name, name) == 0)
+    for (size_t i = 0; i < COMMAND_COUNT; i++) {
+        if (strcmp(commands[i].name, name) == 0) {
             return &commands[i];
+        }
+    }
     return NULL;
 }
 
 static int unknown_command(const char *name)
 {
-    cli_suggestion near = {0};
-    for (size_t i = 0; i < COMMAND_COUNT; i++)
+    struct cli_suggestion near = {0};
+    for (size_t i = 0; i < COMMAND_COUNT; i++) {
         brdffit_cli_suggest(&near, name, commands[i].name);
+    }
     if (strcmp(name, "report") == 0) {
-        fputs("brdffit: there is no brdffit-report on the PATH. It comes with the Python package: in a clone of brdffit,\n"
+        fputs("brdffit: there is no brdffit-report on the PATH. It comes with the Python package: in a clone of "
+              "brdffit,\n"
               "    pip install ./python\n"
               "and if that is in a virtual environment, activate it (or put its bin/ on the PATH).\n",
               stderr);
         return CLI_EXIT_USAGE;
     }
     fprintf(stderr, "brdffit: '%s' is not a command", name);
-    if (strchr(name, '/') == NULL)
+    if (strchr(name, '/') == NULL) {
         fprintf(stderr, ", and there is no brdffit-%s on the PATH", name);
-    if (near.word != NULL)
+    }
+    if (near.word != NULL) {
         fprintf(stderr, "; did you mean '%s'?", near.word);
+    }
     fputs("\nTry 'brdffit --help'.\n", stderr);
     return CLI_EXIT_USAGE;
 }
@@ -85,13 +94,15 @@ static int unknown_command(const char *name)
 /* Returns only when there is no such program. */
 static int run_external(char **argv)
 {
-    cli_text program = {0};
+    struct cli_text program = {0};
     const char *const name = argv[0];
-    if (*name == '\0' || strchr(name, '/') != NULL)
+    if (*name == '\0' || strchr(name, '/') != NULL) {
         return unknown_command(name);
+    }
     brdffit_cli_text_printf(&program, "brdffit-%s", name);
-    if (program.failed)
+    if (program.failed) {
         return brdffit_cli_no_memory();
+    }
     argv[0] = program.data;
     brdffit_cli_release_signals();
     (void)execvp(program.data, argv);
@@ -107,13 +118,15 @@ static int run_external(char **argv)
 
 static int help(char *name)
 {
-    const command *const c = name == NULL ? NULL : find_command(name);
-    if (name != NULL && c == NULL)
+    const struct command *const c = name == NULL ? NULL : find_command(name);
+    if (name != NULL && c == NULL) {
         return run_external((char *[]){name, (char[]){"--help"}, NULL});
-    if (c == NULL)
+    }
+    if (c == NULL) {
         usage(stdout);
-    else
+    } else {
         c->help();
+    }
     return 0;
 }
 
@@ -124,10 +137,12 @@ static int dispatch(int argc, char **argv)
         return CLI_EXIT_USAGE;
     }
     const char *const name = argv[1];
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0)
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
         return help(NULL);
-    if (strcmp(name, "help") == 0)
+    }
+    if (strcmp(name, "help") == 0) {
         return help(argc > 2 ? argv[2] : NULL);
+    }
     if (strcmp(name, "--version") == 0) {
         printf("brdffit %s\n", brdffit_version());
         return 0;
@@ -137,9 +152,10 @@ static int dispatch(int argc, char **argv)
         fputs("Try 'brdffit --help'.\n", stderr);
         return CLI_EXIT_USAGE;
     }
-    const command *const c = find_command(name);
-    if (c == NULL)
+    const struct command *const c = find_command(name);
+    if (c == NULL) {
         return run_external(argv + 1);
+    }
     return c->run(argc - 1, argv + 1);
 }
 

@@ -17,16 +17,16 @@
 
 /* What happened in one tile, or in all of them. Only counts, all 64 bits:
  * written to the tile's file as it is. */
-typedef struct cli_map_counts {
+struct cli_map_counts {
     uint64_t status[CLI_TEXEL_COUNT];
     uint64_t equal, general, zero_channels, equal_channels, boxes, nodes, one_lobe_enough;
     uint64_t skipped[BRDFFIT_SKIP_COUNT]; /* samples, of texels with a geometry of their own */
     uint64_t bad_texel;                   /* the first of them; UINT64_MAX: none */
     uint64_t bad_where;                   /* sample * channels + channel */
-} cli_map_counts;
+};
 
-typedef struct cli_map {
-    const cli_settings *settings;
+struct cli_map {
+    const struct cli_settings *settings;
     brdffit_options options;
 
     /* The stack: one array, or a file a sample. */
@@ -34,7 +34,7 @@ typedef struct cli_map {
     brdffit_array *stack;
     char **images; /* `samples` paths; NULL: the stack is one array */
     int png;       /* they are PNG, and become an array in the work folder */
-    cli_text identity; /* a line each file: path, size, time, shape */
+    struct cli_text identity; /* a line each file: path, size, time, shape */
 
     /* The geometry: shared by all texels, or with arrays a texel. */
     brdffit_table *table; /* owns what `geometry` points to, or NULL */
@@ -52,80 +52,81 @@ typedef struct cli_map {
     int lock;     /* its lock file; -1: none */
     uint64_t key; /* of the manifest: a tile of another run has another */
     size_t resumed; /* tiles that were there already */
-} cli_map;
+};
 
 /* Doubles of the maps, a texel: sigma, x, y, e2, lower_bound; its status
  * follows as a byte. */
-size_t brdffit_cli_map_depth(const cli_map *map);
+size_t brdffit_cli_map_depth(const struct cli_map *map);
 
 /* Rows of a tile: the last one may have fewer. */
-size_t brdffit_cli_map_rows(const cli_map *map, size_t tile);
+size_t brdffit_cli_map_rows(const struct cli_map *map, size_t tile);
 
 /* map_input.c: open and check everything. 0, or an exit code with the reason
  * on stderr. */
-int brdffit_cli_map_open(cli_map *map, const cli_settings *settings);
-void brdffit_cli_map_close(cli_map *map);
+int brdffit_cli_map_open(struct cli_map *map, const struct cli_settings *settings);
+void brdffit_cli_map_close(struct cli_map *map);
 
 /* A line of `identity`: what file this is. `array` may be NULL. */
-void brdffit_cli_map_record(cli_map *map, const char *role, const char *path, const brdffit_array *array);
+void brdffit_cli_map_record(struct cli_map *map, const char *role, const char *path, const brdffit_array *array);
 
 /* An array, from FILE or FILE.npz:NAME; recorded in `identity` as `role`. */
-int brdffit_cli_map_array(cli_map *map, const char *role, const char *path, brdffit_array **array);
+int brdffit_cli_map_array(struct cli_map *map, const char *role, const char *path, brdffit_array **array);
 
 /* "84 x 64 x 64 x 3" */
-void brdffit_cli_map_shape(cli_text *text, const brdffit_array *array);
+void brdffit_cli_map_shape(struct cli_text *text, const brdffit_array *array);
 
 /* map_images.c: a folder, or the files of a list. `list` is a CSV text whose
  * column `file` is taken out; *found tells whether it had one. */
-int brdffit_cli_map_take_files(cli_map *map, cli_text *list, const char *path, const char *folder, int *found);
-int brdffit_cli_map_folder(cli_map *map, const char *folder);
-int brdffit_cli_map_images(cli_map *map);
+int brdffit_cli_map_take_files(struct cli_map *map, struct cli_text *list, const char *path, const char *folder,
+                               int *found);
+int brdffit_cli_map_folder(struct cli_map *map, const char *folder);
+int brdffit_cli_map_images(struct cli_map *map);
 
 /* map_png.c */
 int brdffit_cli_png_shape(const char *path, size_t shape[3]);
-int brdffit_cli_png_unpack(cli_map *map);
+int brdffit_cli_png_unpack(struct cli_map *map);
 
 /* map_work.c: the work folder, and the tiles in it. */
-int brdffit_cli_map_begin(cli_map *map, const char *target);
-int brdffit_cli_map_has_tile(const cli_map *map, size_t tile);
-int brdffit_cli_map_keep_tile(const cli_map *map, size_t tile, const cli_map_counts *counts, const double *values,
-                              const unsigned char *status);
-int brdffit_cli_map_load_tile(const cli_map *map, size_t tile, cli_map_counts *counts, double *values,
+int brdffit_cli_map_begin(struct cli_map *map, const char *target);
+int brdffit_cli_map_has_tile(const struct cli_map *map, size_t tile);
+int brdffit_cli_map_keep_tile(const struct cli_map *map, size_t tile, const struct cli_map_counts *counts,
+                              const double *values, const unsigned char *status);
+int brdffit_cli_map_load_tile(const struct cli_map *map, size_t tile, struct cli_map_counts *counts, double *values,
                               unsigned char *status);
-char *brdffit_cli_map_path(const cli_map *map, const char *name);
-void brdffit_cli_map_forget(cli_map *map);
+char *brdffit_cli_map_path(const struct cli_map *map, const char *name);
+void brdffit_cli_map_forget(struct cli_map *map);
 
 /* Find and lock the work folder that parts have filled. */
-int brdffit_cli_map_reopen(cli_map *map, const char *target);
+int brdffit_cli_map_reopen(struct cli_map *map, const char *target);
 
 /* map_fit.c: one tile. A worker has its own memory. */
-typedef struct cli_map_worker cli_map_worker;
-cli_map_worker *brdffit_cli_map_worker(const cli_map *map);
-void brdffit_cli_map_worker_free(cli_map_worker *worker);
-size_t brdffit_cli_map_worker_bytes(const cli_map *map);
+struct cli_map_worker;
+struct cli_map_worker *brdffit_cli_map_worker(const struct cli_map *map);
+void brdffit_cli_map_worker_free(struct cli_map_worker *worker);
+size_t brdffit_cli_map_worker_bytes(const struct cli_map *map);
 
 /* Called with texels done since the last call; non-zero: stop. */
 typedef int (*cli_map_tick)(void *user, size_t texels);
 
 /* 0; -1: stopped; else an exit code with the reason on stderr. */
-int brdffit_cli_map_tile(cli_map_worker *worker, size_t tile, cli_map_tick tick, void *user);
+int brdffit_cli_map_tile(struct cli_map_worker *worker, size_t tile, cli_map_tick tick, void *user);
 
 /* map_run.c: all tiles that are missing, in threads. As above. */
-int brdffit_cli_map_run(cli_map *map, size_t threads, double *seconds, size_t *texels);
+int brdffit_cli_map_run(struct cli_map *map, size_t threads, double *seconds, size_t *texels);
 size_t brdffit_cli_processors(void);
 
 /* map_output.c: tiles to maps. */
-int brdffit_cli_map_write(cli_map *map, const char *target, cli_map_counts *counts);
-void brdffit_cli_map_add(cli_map_counts *sum, const cli_map_counts *counts);
+int brdffit_cli_map_write(struct cli_map *map, const char *target, struct cli_map_counts *counts);
+void brdffit_cli_map_add(struct cli_map_counts *sum, const struct cli_map_counts *counts);
 
 /* map_report.c: in words on standard output, and the exit code. `threads` 0:
  * nothing was fitted, the maps were only put together. */
-void brdffit_cli_map_report(const cli_map *map, const char *target, const cli_map_counts *counts, size_t threads,
-                            double seconds, size_t texels);
-int brdffit_cli_map_finish(const cli_map *map, const cli_map_counts *counts);
+void brdffit_cli_map_report(const struct cli_map *map, const char *target, const struct cli_map_counts *counts,
+                            size_t threads, double seconds, size_t texels);
+int brdffit_cli_map_finish(const struct cli_map *map, const struct cli_map_counts *counts);
 int brdffit_cli_map_is_npz(const char *path);
 
 /* cmd_map.c: 0 when maps can be written to `target`. */
-int brdffit_cli_map_check_target(const cli_settings *settings, const char *target);
+int brdffit_cli_map_check_target(const struct cli_settings *settings, const char *target);
 
 #endif

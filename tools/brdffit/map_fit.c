@@ -18,7 +18,7 @@
 #define BATCH_PROGRAMS 1
 
 struct cli_map_worker {
-    const cli_map *map;
+    const struct cli_map *map;
     double *values;                 /* samples x texels x channels */
     double *light, *view, *normal;  /* samples x texels x 3, the last texels x 3; NULL: shared */
     double *mask_values;
@@ -31,18 +31,18 @@ struct cli_map_worker {
     size_t workspace_size;
 };
 
-static size_t texels_of(const cli_map *map)
+static size_t texels_of(const struct cli_map *map)
 {
     return map->tile_rows * map->width;
 }
 
-static size_t workspace_of(const cli_map *map)
+static size_t workspace_of(const struct cli_map *map)
 {
     return map->general ? brdffit_workspace_size(map->samples, map->channels, &map->options)
                         : brdffit_many_workspace_size(map->plan);
 }
 
-size_t brdffit_cli_map_worker_bytes(const cli_map *map)
+size_t brdffit_cli_map_worker_bytes(const struct cli_map *map)
 {
     size_t doubles = map->samples * map->channels + brdffit_cli_map_depth(map) + 1;
     doubles += (map->light_map ? 3 * map->samples : 0) + (map->view_map ? 3 * map->samples : 0) +
@@ -50,10 +50,11 @@ size_t brdffit_cli_map_worker_bytes(const cli_map *map)
     return texels_of(map) * (8 * doubles + 2) + workspace_of(map);
 }
 
-void brdffit_cli_map_worker_free(cli_map_worker *w)
+void brdffit_cli_map_worker_free(struct cli_map_worker *w)
 {
-    if (w == NULL)
+    if (w == NULL) {
         return;
+    }
     free(w->values);
     free(w->light);
     free(w->view);
@@ -75,13 +76,14 @@ static double *doubles(int wanted, size_t a, size_t b, int *failed)
     return block;
 }
 
-cli_map_worker *brdffit_cli_map_worker(const cli_map *map)
+struct cli_map_worker *brdffit_cli_map_worker(const struct cli_map *map)
 {
     const size_t texels = texels_of(map);
     int failed = 0;
-    cli_map_worker *const w = calloc(1, sizeof *w);
-    if (w == NULL)
+    struct cli_map_worker *const w = calloc(1, sizeof *w);
+    if (w == NULL) {
         return NULL;
+    }
     w->map = map;
     w->values = doubles(1, map->samples * map->channels, texels, &failed);
     w->light = doubles(map->light_map != NULL, map->samples * 3, texels, &failed);
@@ -124,54 +126,62 @@ static int read_rows(const brdffit_array *array, int rows_at, size_t first, size
 
 /* One file a sample, opened for these rows only: there may be more of them
  * than files that a process may have open. */
-static int read_images(cli_map_worker *w, size_t first, size_t rows)
+static int read_images(struct cli_map_worker *w, size_t first, size_t rows)
 {
-    const cli_map *const map = w->map;
+    const struct cli_map *const map = w->map;
     const size_t step = rows * map->width * map->channels;
     for (size_t i = 0; i < map->samples; i++) {
         brdffit_array *array = NULL;
         brdffit_error error = {0};
         errno = 0;
-        if (brdffit_io_array_open(map->images[i], NULL, &array, &error) != BRDFFIT_OK)
+        if (brdffit_io_array_open(map->images[i], NULL, &array, &error) != BRDFFIT_OK) {
             return report(map->images[i], &error);
+        }
         const size_t depth = array->dims == 3 ? array->shape[2] : 1;
         int code = 0;
         if (array->dims < 2 || array->shape[0] != map->height || array->shape[1] != map->width ||
             depth != map->channels) {
             fprintf(stderr, "brdffit: %s: the image changed while it was read\n", map->images[i]);
             code = CLI_EXIT_DATA;
-        } else
+        } else {
             code = read_rows(array, 0, first, rows, w->values + i * step, map->images[i]);
+        }
         brdffit_io_array_close(array);
-        if (code != 0)
+        if (code != 0) {
             return code;
+        }
     }
     return 0;
 }
 
-static int read_tile(cli_map_worker *w, size_t first, size_t rows)
+static int read_tile(struct cli_map_worker *w, size_t first, size_t rows)
 {
-    const cli_map *const map = w->map;
-    const cli_settings *const s = map->settings;
+    const struct cli_map *const map = w->map;
+    const struct cli_settings *const s = map->settings;
     int code = map->stack != NULL ? read_rows(map->stack, 1, first, rows, w->values, s->files[0])
                                   : read_images(w, first, rows);
-    if (code == 0 && map->light_map != NULL)
+    if (code == 0 && map->light_map != NULL) {
         code = read_rows(map->light_map, 1, first, rows, w->light, s->lights);
-    if (code == 0 && map->view_map != NULL)
+    }
+    if (code == 0 && map->view_map != NULL) {
         code = read_rows(map->view_map, 1, first, rows, w->view, s->views);
-    if (code == 0 && map->normal_map != NULL)
+    }
+    if (code == 0 && map->normal_map != NULL) {
         code = read_rows(map->normal_map, 0, first, rows, w->normal, s->normals);
-    if (code == 0 && map->mask != NULL)
+    }
+    if (code == 0 && map->mask != NULL) {
         code = read_rows(map->mask, 0, first, rows, w->mask_values, s->mask);
-    for (size_t i = 0; code == 0 && map->mask != NULL && i < rows * map->width; i++)
+    }
+    for (size_t i = 0; code == 0 && map->mask != NULL && i < rows * map->width; i++) {
         w->mask[i] = w->mask_values[i] > 0 || w->mask_values[i] < 0; /* NaN masks too */
+    }
     return code;
 }
 
 /* ---- Fitting ----------------------------------------------------------- */
 
 /* Where the maps of `texels` texels begin in `out`. */
-static void lay_out(const cli_map *map, double *out, size_t texels, brdffit_texel_results *r)
+static void lay_out(const struct cli_map *map, double *out, size_t texels, brdffit_texel_results *r)
 {
     const size_t lobes = (size_t)map->options.lobes;
     brdffit_texel_results_init(r);
@@ -183,7 +193,7 @@ static void lay_out(const cli_map *map, double *out, size_t texels, brdffit_texe
 }
 
 /* The same results `at` texels further on. */
-static brdffit_texel_results behind(const cli_map *map, const brdffit_texel_results *all, size_t at)
+static brdffit_texel_results behind(const struct cli_map *map, const brdffit_texel_results *all, size_t at)
 {
     const size_t lobes = (size_t)map->options.lobes;
     brdffit_texel_results r = *all;
@@ -197,7 +207,7 @@ static brdffit_texel_results behind(const cli_map *map, const brdffit_texel_resu
     return r;
 }
 
-static void note_bad(cli_map_counts *counts, const cli_map_worker *w, size_t first_texel, size_t texel)
+static void note_bad(struct cli_map_counts *counts, const struct cli_map_worker *w, size_t first_texel, size_t texel)
 {
     if (w->status[texel] == BRDFFIT_TEXEL_BAD_VALUE && counts->bad_texel == UINT64_MAX) {
         counts->bad_texel = first_texel + texel;
@@ -207,15 +217,16 @@ static void note_bad(cli_map_counts *counts, const cli_map_worker *w, size_t fir
 
 static size_t batch_of(const brdffit_options *options)
 {
-    if (options->norm != BRDFFIT_NORM_L2 || options->engine != BRDFFIT_ENGINE_MOMENT)
+    if (options->norm != BRDFFIT_NORM_L2 || options->engine != BRDFFIT_ENGINE_MOMENT) {
         return BATCH_PROGRAMS;
+    }
     return options->lobes == 1 ? BATCH_ONE_LOBE : BATCH_TWO_LOBES;
 }
 
-static int fit_shared(cli_map_worker *w, size_t texels, const brdffit_texel_results *results, cli_map_counts *counts,
-                      cli_map_tick tick, void *user)
+static int fit_shared(struct cli_map_worker *w, size_t texels, const brdffit_texel_results *results,
+                      struct cli_map_counts *counts, cli_map_tick tick, void *user)
 {
-    const cli_map *const map = w->map;
+    const struct cli_map *const map = w->map;
     brdffit_many_stats stats;
     const size_t most = batch_of(&map->options);
     brdffit_many_stats_init(&stats);
@@ -229,10 +240,12 @@ static int fit_shared(cli_map_worker *w, size_t texels, const brdffit_texel_resu
         batch.sample_stride = (ptrdiff_t)(texels * map->channels);
         batch.mask = w->mask != NULL ? w->mask + at : NULL;
         const brdffit_texel_results part = behind(map, results, at);
-        if (brdffit_fit_many(map->plan, &batch, &part, w->workspace, w->workspace_size, &stats, &error) != BRDFFIT_OK)
+        if (brdffit_fit_many(map->plan, &batch, &part, w->workspace, w->workspace_size, &stats, &error) != BRDFFIT_OK) {
             return report(map->settings->files[0], &error);
-        if (tick(user, batch.count))
+        }
+        if (tick(user, batch.count)) {
             return -1;
+        }
     }
     counts->equal = stats.equal;
     counts->general = stats.general;
@@ -245,53 +258,63 @@ static int fit_shared(cli_map_worker *w, size_t texels, const brdffit_texel_resu
 }
 
 /* A texel's column of an array samples x texels x width. */
-static const double *column(const cli_map *map, const double *from, size_t texels, size_t texel, size_t width,
+static const double *column(const struct cli_map *map, const double *from, size_t texels, size_t texel, size_t width,
                             double *to)
 {
-    for (size_t i = 0; i < map->samples; i++)
+    for (size_t i = 0; i < map->samples; i++) {
         memcpy(to + i * width, from + (i * texels + texel) * width, width * sizeof *to);
+    }
     return to;
 }
 
-static void own_samples(const cli_map_worker *w, size_t texels, size_t texel, brdffit_samples *samples)
+static void own_samples(const struct cli_map_worker *w, size_t texels, size_t texel, brdffit_samples *samples)
 {
-    const cli_map *const map = w->map;
+    const struct cli_map *const map = w->map;
     double *const values = w->own, *const light = values + map->samples * map->channels;
     double *const view = light + 3 * map->samples, *const normal = view + 3 * map->samples;
     *samples = map->geometry;
     samples->values = column(map, w->values, texels, texel, map->channels, values);
-    if (w->light != NULL)
+    if (w->light != NULL) {
         samples->light = column(map, w->light, texels, texel, 3, light);
-    if (w->view != NULL)
+    }
+    if (w->view != NULL) {
         samples->view = column(map, w->view, texels, texel, 3, view);
+    }
     if (w->normal != NULL) {
-        for (size_t i = 0; i < map->samples; i++)
+        for (size_t i = 0; i < map->samples; i++) {
             memcpy(normal + 3 * i, w->normal + 3 * texel, 3 * sizeof *normal);
+        }
         samples->normal = normal;
     }
 }
 
-static void publish(const cli_map *map, const brdffit_texel_results *to, const brdffit_result *from)
+static void publish(const struct cli_map *map, const brdffit_texel_results *to, const brdffit_result *from)
 {
     const size_t lobes = (size_t)map->options.lobes;
     const int good = from != NULL;
-    for (size_t p = 0; p < lobes; p++)
+    for (size_t p = 0; p < lobes; p++) {
         to->sigma[p] = good ? from->model.sigma[p] : NAN;
-    for (size_t k = 0; k < map->channels; k++)
+    }
+    for (size_t k = 0; k < map->channels; k++) {
         to->x[k] = good ? from->model.x[k] : NAN;
-    for (size_t j = 0; j < map->channels * lobes; j++)
+    }
+    for (size_t j = 0; j < map->channels * lobes; j++) {
         to->y[j] = good ? from->model.y[j] : NAN;
+    }
     *to->e2 = good ? from->e2 : NAN;
     *to->lower_bound = good ? from->lower_bound : NAN;
 }
 
 static unsigned char status_of(brdffit_status status, const brdffit_result *result, const brdffit_error *error)
 {
-    if (status == BRDFFIT_OK)
+    if (status == BRDFFIT_OK) {
         return !(result->sum_of_squares > 0) ? BRDFFIT_TEXEL_NO_SIGNAL
-               : result->certified           ? BRDFFIT_TEXEL_CERTIFIED : BRDFFIT_TEXEL_OPEN;
-    if (status == BRDFFIT_ERR_NO_SAMPLES)
+               : result->certified           ? BRDFFIT_TEXEL_CERTIFIED
+                                             : BRDFFIT_TEXEL_OPEN;
+    }
+    if (status == BRDFFIT_ERR_NO_SAMPLES) {
         return CLI_TEXEL_NO_SAMPLES;
+    }
     return status == BRDFFIT_ERR_VALUE && error->sample != BRDFFIT_NONE ? BRDFFIT_TEXEL_BAD_VALUE
                                                                         : BRDFFIT_TEXEL_REFUSED;
 }
@@ -304,10 +327,10 @@ static int cancelled(void *user, const brdffit_progress *progress)
 }
 
 /* Fit one texel with its own directions. 0 or an exit code. */
-static int fit_one(cli_map_worker *w, size_t texels, size_t texel, const brdffit_texel_results *to,
-                   cli_map_counts *counts)
+static int fit_one(struct cli_map_worker *w, size_t texels, size_t texel, const brdffit_texel_results *to,
+                   struct cli_map_counts *counts)
 {
-    const cli_map *const map = w->map;
+    const struct cli_map *const map = w->map;
     brdffit_options options = map->options;
     brdffit_samples samples;
     brdffit_result result;
@@ -315,8 +338,9 @@ static int fit_one(cli_map_worker *w, size_t texels, size_t texel, const brdffit
     options.progress = cancelled;
     own_samples(w, texels, texel, &samples);
     const brdffit_status status = brdffit_fit(&samples, &options, w->workspace, w->workspace_size, &result, &error);
-    if (status != BRDFFIT_OK && status != BRDFFIT_ERR_VALUE && status != BRDFFIT_ERR_NO_SAMPLES)
+    if (status != BRDFFIT_OK && status != BRDFFIT_ERR_VALUE && status != BRDFFIT_ERR_NO_SAMPLES) {
         return report(map->settings->files[0], &error);
+    }
     const int fitted = status == BRDFFIT_OK;
     *to->status = status_of(status, &result, &error);
     *to->where = *to->status == BRDFFIT_TEXEL_BAD_VALUE
@@ -326,13 +350,14 @@ static int fit_one(cli_map_worker *w, size_t texels, size_t texel, const brdffit
     counts->boxes += fitted ? result.boxes : 0;
     counts->nodes += fitted ? result.nodes : 0;
     counts->general += fitted && *to->status <= BRDFFIT_TEXEL_OPEN;
-    for (int reason = 0; fitted && reason < BRDFFIT_SKIP_COUNT; reason++)
+    for (int reason = 0; fitted && reason < BRDFFIT_SKIP_COUNT; reason++) {
         counts->skipped[reason] += result.samples_skipped[reason];
+    }
     return 0;
 }
 
-static int fit_each(cli_map_worker *w, size_t texels, const brdffit_texel_results *results, cli_map_counts *counts,
-                    cli_map_tick tick, void *user)
+static int fit_each(struct cli_map_worker *w, size_t texels, const brdffit_texel_results *results,
+                    struct cli_map_counts *counts, cli_map_tick tick, void *user)
 {
     size_t told = 0;
     for (size_t at = 0; at < texels; at++) {
@@ -343,27 +368,30 @@ static int fit_each(cli_map_worker *w, size_t texels, const brdffit_texel_result
             publish(w->map, &one, NULL);
         } else {
             const int code = fit_one(w, texels, at, &one, counts);
-            if (code != 0)
+            if (code != 0) {
                 return code;
+            }
         }
         if (at % 16 == 15 || at + 1 == texels || brdffit_cli_interrupted()) {
-            if (tick(user, at + 1 - told))
+            if (tick(user, at + 1 - told)) {
                 return -1;
+            }
             told = at + 1;
         }
     }
     return 0;
 }
 
-int brdffit_cli_map_tile(cli_map_worker *w, size_t tile, cli_map_tick tick, void *user)
+int brdffit_cli_map_tile(struct cli_map_worker *w, size_t tile, cli_map_tick tick, void *user)
 {
-    const cli_map *const map = w->map;
+    const struct cli_map *const map = w->map;
     const size_t first = tile * map->tile_rows, rows = brdffit_cli_map_rows(map, tile), texels = rows * map->width;
     brdffit_texel_results results;
-    cli_map_counts counts;
+    struct cli_map_counts counts;
     int code = read_tile(w, first, rows);
-    if (code != 0)
+    if (code != 0) {
         return code;
+    }
     memset(&counts, 0, sizeof counts);
     counts.bad_texel = UINT64_MAX;
     lay_out(map, w->out, texels, &results);
@@ -371,8 +399,9 @@ int brdffit_cli_map_tile(cli_map_worker *w, size_t tile, cli_map_tick tick, void
     results.where = w->where;
     code = map->general ? fit_each(w, texels, &results, &counts, tick, user)
                         : fit_shared(w, texels, &results, &counts, tick, user);
-    if (code != 0)
+    if (code != 0) {
         return code;
+    }
     for (size_t i = 0; i < texels; i++) {
         counts.status[w->status[i]]++;
         note_bad(&counts, w, first * map->width, i);

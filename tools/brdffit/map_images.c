@@ -15,17 +15,19 @@ static int ends_with(const char *name, const char *end)
     return n > e && strcmp(name + n - e, end) == 0;
 }
 
-static int add_image(cli_map *map, const char *folder, size_t folder_length, const char *name, size_t length)
+static int add_image(struct cli_map *map, const char *folder, size_t folder_length, const char *name, size_t length)
 {
     if ((map->samples & (map->samples + 1)) == 0 || map->images == NULL) { /* room doubles */
         char **more = realloc(map->images, 2 * (map->samples + 1) * sizeof *more);
-        if (more == NULL)
+        if (more == NULL) {
             return brdffit_cli_no_memory();
+        }
         map->images = more;
     }
     char *path = malloc(folder_length + length + 2);
-    if (path == NULL)
+    if (path == NULL) {
         return brdffit_cli_no_memory();
+    }
     const int absolute = name[0] == '/' || folder_length == 0;
     (void)sprintf(path, "%.*s%s%.*s", absolute ? 0 : (int)folder_length, folder,
                   absolute || folder[folder_length - 1] == '/' ? "" : "/", (int)length, name);
@@ -40,21 +42,24 @@ static const char *field(const char *at, const char *end, char separator, const 
 {
     const char *stop = at;
     int quoted = 0;
-    for (; stop < end && (quoted || *stop != separator); stop++)
+    for (; stop < end && (quoted || *stop != separator); stop++) {
         quoted ^= *stop == '"';
+    }
     const char *first = at, *last = stop;
-    while (first < last && (*first == ' ' || *first == '"'))
+    while (first < last && (*first == ' ' || *first == '"')) {
         first++;
-    while (last > first && (last[-1] == ' ' || last[-1] == '"' || last[-1] == '\r'))
+    }
+    while (last > first && (last[-1] == ' ' || last[-1] == '"' || last[-1] == '\r')) {
         last--;
+    }
     *text = first;
     *length = (size_t)(last - first);
     return stop;
 }
 
 /* Copy a line without its field number `column`, which goes to text. */
-static int cut(cli_text *out, const char *line, const char *end, char separator, size_t column, const char **text,
-               size_t *length)
+static int cut(struct cli_text *out, const char *line, const char *end, char separator, size_t column,
+               const char **text, size_t *length)
 {
     const char *name;
     size_t size;
@@ -89,12 +94,13 @@ static int find_column(const char *line, const char *end, char separator, size_t
     return 0;
 }
 
-int brdffit_cli_map_take_files(cli_map *map, cli_text *list, const char *path, const char *folder, int *found)
+int brdffit_cli_map_take_files(struct cli_map *map, struct cli_text *list, const char *path, const char *folder,
+                               int *found)
 {
     const char *at = brdffit_cli_text_string(list), *const all = at + list->size;
     const char *const slash = strrchr(path, '/');
     const size_t folder_length = folder != NULL ? strlen(folder) : slash != NULL ? (size_t)(slash - path) + 1 : 0;
-    cli_text out = {0};
+    struct cli_text out = {0};
     char separator = 0;
     size_t column = 0;
     int code = 0;
@@ -109,23 +115,27 @@ int brdffit_cli_map_take_files(cli_map *map, cli_text *list, const char *path, c
             brdffit_cli_text_puts(&out, "#\n"); /* keeps the numbers of the lines */
         } else if (separator == 0) {
             separator = memchr(at, '\t', (size_t)(end - at)) != NULL  ? '\t'
-                        : memchr(at, ';', (size_t)(end - at)) != NULL ? ';' : ',';
-            if (!find_column(at, end, separator, &column))
+                        : memchr(at, ';', (size_t)(end - at)) != NULL ? ';'
+                                                                      : ',';
+            if (!find_column(at, end, separator, &column)) {
                 break;
+            }
             *found = 1;
             (void)cut(&out, at, end, separator, column, &name, &length);
         } else if (!cut(&out, at, end, separator, column, &name, &length) || length == 0) {
             fprintf(stderr, "brdffit: %s: line %zu: no file is named\n", path, number);
             code = CLI_EXIT_DATA;
-        } else
+        } else {
             code = add_image(map, folder != NULL ? folder : path, folder_length, name, length);
+        }
         at = end + 1;
     }
     if (*found && code == 0) {
         brdffit_cli_text_free(list);
         *list = out;
-    } else
+    } else {
         brdffit_cli_text_free(&out);
+    }
     return code;
 }
 
@@ -141,7 +151,7 @@ static int is_image(const char *name)
     return name[0] != '.' && (ends_with(name, ".pfm") || ends_with(name, ".png") || ends_with(name, ".npy"));
 }
 
-int brdffit_cli_map_folder(cli_map *map, const char *folder)
+int brdffit_cli_map_folder(struct cli_map *map, const char *folder)
 {
     DIR *const stream = opendir(folder);
     int code = 0;
@@ -149,22 +159,25 @@ int brdffit_cli_map_folder(cli_map *map, const char *folder)
         fprintf(stderr, "brdffit: %s: cannot open the folder (%s)\n", folder, strerror(errno));
         return CLI_EXIT_FAILURE;
     }
-    for (const struct dirent *entry; code == 0 && (entry = readdir(stream)) != NULL;)
-        if (is_image(entry->d_name))
+    for (const struct dirent *entry; code == 0 && (entry = readdir(stream)) != NULL;) {
+        if (is_image(entry->d_name)) {
             code = add_image(map, folder, strlen(folder), entry->d_name, strlen(entry->d_name));
+        }
+    }
     (void)closedir(stream);
     if (code == 0 && map->samples == 0) {
         fprintf(stderr, "brdffit: %s: there is no .pfm, .png or .npy in the folder\n", folder);
         code = CLI_EXIT_DATA;
     }
-    if (code == 0)
+    if (code == 0) {
         qsort(map->images, map->samples, sizeof *map->images, by_name);
+    }
     return code;
 }
 
 /* ---- Their shapes ------------------------------------------------------ */
 
-static int image_shape(cli_map *map, const char *path, size_t shape[3])
+static int image_shape(struct cli_map *map, const char *path, size_t shape[3])
 {
     brdffit_array *array = NULL;
     if (ends_with(path, ".png")) {
@@ -184,15 +197,16 @@ static int image_shape(cli_map *map, const char *path, size_t shape[3])
     return code;
 }
 
-int brdffit_cli_map_images(cli_map *map)
+int brdffit_cli_map_images(struct cli_map *map)
 {
     size_t first[3] = {0}, shape[3];
     map->png = ends_with(map->images[0], ".png");
     for (size_t i = 0; i < map->samples; i++) {
         const char *const path = map->images[i];
         const int code = image_shape(map, path, i == 0 ? first : shape);
-        if (code != 0)
+        if (code != 0) {
             return code;
+        }
         if (ends_with(path, ".png") != map->png) {
             fprintf(stderr, "brdffit: %s: PNG and other images do not mix in a stack\n", path);
             return CLI_EXIT_DATA;

@@ -16,52 +16,59 @@
 /* Few tiles leave threads idle and keep little of an interrupted run. */
 #define TILES_WANTED 16
 
-void brdffit_cli_map_shape(cli_text *text, const brdffit_array *array)
+void brdffit_cli_map_shape(struct cli_text *text, const brdffit_array *array)
 {
-    for (int d = 0; d < array->dims; d++)
+    for (int d = 0; d < array->dims; d++) {
         brdffit_cli_text_printf(text, d == 0 ? "%zu" : " x %zu", array->shape[d]);
-    if (array->dims == 0)
+    }
+    if (array->dims == 0) {
         brdffit_cli_text_puts(text, "a single number");
+    }
 }
 
 /* Size and time stand for the content, which may be larger than memory. */
-void brdffit_cli_map_record(cli_map *map, const char *role, const char *path, const brdffit_array *array)
+void brdffit_cli_map_record(struct cli_map *map, const char *role, const char *path, const brdffit_array *array)
 {
     struct stat about;
     const size_t start = map->identity.size;
-    if (stat(path, &about) != 0)
+    if (stat(path, &about) != 0) {
         memset(&about, 0, sizeof about);
-    brdffit_cli_text_printf(&map->identity, "%s %s: %lld bytes of %lld.%09ld", role, path,
-                            (long long)about.st_size, (long long)about.st_mtim.tv_sec,
-                            (long)about.st_mtim.tv_nsec);
+    }
+    brdffit_cli_text_printf(&map->identity, "%s %s: %lld bytes of %lld.%09ld", role, path, (long long)about.st_size,
+                            (long long)about.st_mtim.tv_sec, (long)about.st_mtim.tv_nsec);
     if (array != NULL) {
         brdffit_cli_text_printf(&map->identity, ", %c%d, ", array->kind, array->item_size);
         brdffit_cli_map_shape(&map->identity, array);
     }
-    for (size_t i = start; i < map->identity.size; i++)
-        if (map->identity.data[i] == '\n') /* of a name: a line of it could pass for an option */
+    for (size_t i = start; i < map->identity.size; i++) {
+        if (map->identity.data[i] == '\n') { /* of a name: a line of it could pass for an option */
             map->identity.data[i] = ' ';
+        }
+    }
     brdffit_cli_text_puts(&map->identity, "\n");
 }
 
-int brdffit_cli_map_array(cli_map *map, const char *role, const char *path, brdffit_array **array)
+int brdffit_cli_map_array(struct cli_map *map, const char *role, const char *path, brdffit_array **array)
 {
     brdffit_error error = {0};
     struct stat about;
     char *file = strdup(path);
     char *member = file == NULL ? NULL : strrchr(file, ':');
-    if (file == NULL)
+    if (file == NULL) {
         return brdffit_cli_no_memory();
-    if (member != NULL && stat(path, &about) != 0)
+    }
+    if (member != NULL && stat(path, &about) != 0) {
         *member++ = '\0';
-    else
+    } else {
         member = NULL;
+    }
     errno = 0;
     const brdffit_status status = brdffit_io_array_open(file, member, array, &error);
-    if (status != BRDFFIT_OK)
+    if (status != BRDFFIT_OK) {
         brdffit_cli_report_error(path, &error, NULL, errno);
-    else
+    } else {
         brdffit_cli_map_record(map, role, file, *array);
+    }
     free(file);
     return brdffit_cli_status_exit(status);
 }
@@ -69,7 +76,7 @@ int brdffit_cli_map_array(cli_map *map, const char *role, const char *path, brdf
 /* "brdffit: FILE: its shape is 3 x 4: WANTED" */
 static int wrong_shape(const char *path, const brdffit_array *array, const char *wanted)
 {
-    cli_text shape = {0};
+    struct cli_text shape = {0};
     brdffit_cli_map_shape(&shape, array);
     fprintf(stderr, "brdffit: %s: its shape is %s, and should be %s\n", path, brdffit_cli_text_string(&shape), wanted);
     brdffit_cli_text_free(&shape);
@@ -84,14 +91,16 @@ static int has_shape(const brdffit_array *array, int dims, const size_t *shape)
 
 /* ---- The stack --------------------------------------------------------- */
 
-static int open_stack(cli_map *map, const char *path)
+static int open_stack(struct cli_map *map, const char *path)
 {
     const int code = brdffit_cli_map_array(map, "stack", path, &map->stack);
-    if (code != 0)
+    if (code != 0) {
         return code;
+    }
     const brdffit_array *const a = map->stack;
-    if (a->dims != 3 && a->dims != 4)
+    if (a->dims != 3 && a->dims != 4) {
         return wrong_shape(path, a, "samples x height x width x channels, or samples x height x width");
+    }
     map->samples = a->shape[0];
     map->height = a->shape[1];
     map->width = a->shape[2];
@@ -113,7 +122,7 @@ static int is_text_table(const char *path)
 
 /* ---- The geometry ------------------------------------------------------ */
 
-static int check_table(cli_map *map, const char *path)
+static int check_table(struct cli_map *map, const char *path)
 {
     const brdffit_samples *s = &map->table->samples;
     if (s->count != map->table->rows) {
@@ -127,14 +136,15 @@ static int check_table(cli_map *map, const char *path)
 }
 
 /* The table of directions; its column of files, if it has one, is the stack. */
-static int open_table(cli_map *map, const char *path, const char *folder, int *files)
+static int open_table(struct cli_map *map, const char *path, const char *folder, int *files)
 {
-    cli_text text = {0};
+    struct cli_text text = {0};
     brdffit_io_options io;
     brdffit_error error = {0};
     int code = brdffit_cli_slurp(&text, path);
-    if (code == 0)
+    if (code == 0) {
         code = brdffit_cli_map_take_files(map, &text, path, folder, files);
+    }
     if (code == 0) {
         brdffit_io_options_init(&io);
         io.format = BRDFFIT_IO_FORMAT_CSV;
@@ -143,8 +153,9 @@ static int open_table(cli_map *map, const char *path, const char *folder, int *f
         io.quantity = io.quantity_set ? (brdffit_quantity)map->settings->values : BRDFFIT_QUANTITY_BRDF;
         const brdffit_status status = brdffit_io_read_memory(brdffit_cli_text_string(&text), text.size, &io,
                                                              &map->table, &error);
-        if (status != BRDFFIT_OK)
+        if (status != BRDFFIT_OK) {
             brdffit_cli_report_error(path, &error, NULL, 0);
+        }
         code = status == BRDFFIT_OK ? check_table(map, path) : brdffit_cli_status_exit(status);
     }
     brdffit_cli_map_record(map, "geometry", path, NULL);
@@ -153,22 +164,24 @@ static int open_table(cli_map *map, const char *path, const char *folder, int *f
 }
 
 /* N x 3, N x H x W x 3, or for views 3 and 1 x 3. */
-static int open_vectors(cli_map *map, const char *role, const char *path, double **vectors, brdffit_array **per_pixel)
+static int open_vectors(struct cli_map *map, const char *role, const char *path, double **vectors,
+                        brdffit_array **per_pixel)
 {
     const size_t constant[2] = {map->samples, 3}, one[2] = {1, 3};
     const size_t pixels[4] = {map->samples, map->height, map->width, 3};
     brdffit_array *array = NULL;
     brdffit_error error = {0};
     int code = brdffit_cli_map_array(map, role, path, &array);
-    if (code != 0)
+    if (code != 0) {
         return code;
+    }
     if (has_shape(array, 4, pixels)) {
         *per_pixel = array;
         return 0;
     }
     const int single = has_shape(array, 1, one + 1) || has_shape(array, 2, one);
     if (!single && !has_shape(array, 2, constant)) {
-        cli_text wanted = {0};
+        struct cli_text wanted = {0};
         brdffit_cli_text_printf(&wanted, "%zu x 3 (a vector a sample), 3, or %zu x %zu x %zu x 3", map->samples,
                                 map->samples, map->height, map->width);
         code = wrong_shape(path, array, brdffit_cli_text_string(&wanted));
@@ -176,33 +189,38 @@ static int open_vectors(cli_map *map, const char *role, const char *path, double
     } else {
         static const size_t zero[2] = {0, 0};
         *vectors = calloc(map->samples, 3 * sizeof **vectors);
-        if (*vectors == NULL)
+        if (*vectors == NULL) {
             code = brdffit_cli_no_memory();
-        else if (brdffit_io_array_read(array, zero, array->shape, *vectors, &error) != BRDFFIT_OK) {
+        } else if (brdffit_io_array_read(array, zero, array->shape, *vectors, &error) != BRDFFIT_OK) {
             brdffit_cli_report_error(path, &error, NULL, errno);
             code = CLI_EXIT_FAILURE;
         }
-        for (size_t i = 3; code == 0 && single && i < 3 * map->samples; i++)
+        for (size_t i = 3; code == 0 && single && i < 3 * map->samples; i++) {
             (*vectors)[i] = (*vectors)[i - 3];
+        }
     }
     brdffit_io_array_close(array);
     return code;
 }
 
-static int open_directions(cli_map *map)
+static int open_directions(struct cli_map *map)
 {
-    const cli_settings *const s = map->settings;
+    const struct cli_settings *const s = map->settings;
     int code = open_vectors(map, "lights", s->lights, &map->light, &map->light_map);
-    if (code == 0 && s->views != NULL)
+    if (code == 0 && s->views != NULL) {
         code = open_vectors(map, "views", s->views, &map->view, &map->view_map);
-    if (code != 0)
+    }
+    if (code != 0) {
         return code;
+    }
     if (s->views == NULL) {
         map->view = calloc(map->samples, 3 * sizeof *map->view);
-        if (map->view == NULL)
+        if (map->view == NULL) {
             return brdffit_cli_no_memory();
-        for (size_t i = 0; i < map->samples; i++)
+        }
+        for (size_t i = 0; i < map->samples; i++) {
             map->view[3 * i + 2] = 1;
+        }
     }
     brdffit_samples_init(&map->geometry);
     map->geometry.count = map->samples;
@@ -214,12 +232,12 @@ static int open_directions(cli_map *map)
 
 /* ---- Maps beside the stack --------------------------------------------- */
 
-static int open_normals(cli_map *map, const char *path)
+static int open_normals(struct cli_map *map, const char *path)
 {
     const size_t shape[3] = {map->height, map->width, 3};
     const int code = brdffit_cli_map_array(map, "normals", path, &map->normal_map);
     if (code == 0 && !has_shape(map->normal_map, 3, shape)) {
-        cli_text wanted = {0};
+        struct cli_text wanted = {0};
         brdffit_cli_text_printf(&wanted, "%zu x %zu x 3, as the stack's images are", map->height, map->width);
         const int failed = wrong_shape(path, map->normal_map, brdffit_cli_text_string(&wanted));
         brdffit_cli_text_free(&wanted);
@@ -228,12 +246,12 @@ static int open_normals(cli_map *map, const char *path)
     return code;
 }
 
-static int open_mask(cli_map *map, const char *path)
+static int open_mask(struct cli_map *map, const char *path)
 {
     const size_t shape[3] = {map->height, map->width, 1};
     const int code = brdffit_cli_map_array(map, "mask", path, &map->mask);
     if (code == 0 && !has_shape(map->mask, 2, shape) && !has_shape(map->mask, 3, shape)) {
-        cli_text wanted = {0};
+        struct cli_text wanted = {0};
         brdffit_cli_text_printf(&wanted, "%zu x %zu, as the stack's images are", map->height, map->width);
         const int failed = wrong_shape(path, map->mask, brdffit_cli_text_string(&wanted));
         brdffit_cli_text_free(&wanted);
@@ -244,54 +262,60 @@ static int open_mask(cli_map *map, const char *path)
 
 /* ---- Everything -------------------------------------------------------- */
 
-static int check_words(const cli_settings *s)
+static int check_words(const struct cli_settings *s)
 {
     const int from_list = s->geometry == NULL && is_text_table(s->files[0]);
-    if (s->lights == NULL && s->geometry == NULL && !from_list)
+    if (s->lights == NULL && s->geometry == NULL && !from_list) {
         fprintf(stderr, "brdffit map: needs --geometry FILE.csv or --lights FILE.npy\n");
-    else if (s->lights != NULL && (s->geometry != NULL || from_list))
+    } else if (s->lights != NULL && (s->geometry != NULL || from_list)) {
         fprintf(stderr, "brdffit map: the geometry is given twice, as a table and by --lights\n");
-    else if (s->views != NULL && s->lights == NULL)
+    } else if (s->views != NULL && s->lights == NULL) {
         fprintf(stderr, "brdffit map: --views needs --lights\n");
-    else
+    } else {
         return 0;
+    }
     fprintf(stderr, "Try 'brdffit map --help'.\n");
     return CLI_EXIT_USAGE;
 }
 
-static int open_images_and_geometry(cli_map *map)
+static int open_images_and_geometry(struct cli_map *map)
 {
-    const cli_settings *const s = map->settings;
+    const struct cli_settings *const s = map->settings;
     const char *const path = s->files[0];
     const int folder = is_folder(path), list = s->geometry == NULL && s->lights == NULL;
     int code = 0, files = 0;
-    if (list || s->geometry != NULL)
+    if (list || s->geometry != NULL) {
         code = open_table(map, list ? path : s->geometry, folder ? path : NULL, &files);
-    if (code != 0)
+    }
+    if (code != 0) {
         return code;
+    }
     if (list && !files) {
         fprintf(stderr, "brdffit: %s: a list of images needs a column named file\n", path);
         return CLI_EXIT_DATA;
     }
     if (list || folder) {
-        if (!files)
+        if (!files) {
             code = brdffit_cli_map_folder(map, path);
+        }
         return code != 0 ? code : brdffit_cli_map_images(map);
     }
     if (files) { /* a column that another stack does not need */
-        for (size_t i = 0; i < map->samples; i++)
+        for (size_t i = 0; i < map->samples; i++) {
             free(map->images[i]);
+        }
         free(map->images);
         map->images = NULL;
     }
     return open_stack(map, path);
 }
 
-static int check_count(const cli_map *map)
+static int check_count(const struct cli_map *map)
 {
-    const cli_settings *const s = map->settings;
-    if (map->geometry.count == map->samples)
+    const struct cli_settings *const s = map->settings;
+    if (map->geometry.count == map->samples) {
         return 0;
+    }
     fprintf(stderr, "brdffit: %s: it has %zu samples, and the geometry of %s has %zu\n", s->files[0], map->samples,
             s->geometry != NULL ? s->geometry : s->files[0], map->geometry.count);
     return CLI_EXIT_DATA;
@@ -299,7 +323,7 @@ static int check_count(const cli_map *map)
 
 /* Whether this build can fit so at all (without ECOS some options cannot):
  * asked of the smallest problem there is, before thousands refuse. */
-static int check_build(const cli_map *map)
+static int check_build(const struct cli_map *map)
 {
     static const double up[3] = {0, 0, 1}, one = 1;
     brdffit_samples samples;
@@ -311,92 +335,104 @@ static int check_build(const cli_map *map)
     samples.values = &one;
     const brdffit_status status = brdffit_fit_new(&samples, &map->options, &result, &error);
     brdffit_fit_free(result);
-    if (status != BRDFFIT_ERR_UNSUPPORTED)
+    if (status != BRDFFIT_ERR_UNSUPPORTED) {
         return 0;
+    }
     fprintf(stderr, "brdffit map: %s\n", brdffit_cli_message(&error));
     return CLI_EXIT_USAGE;
 }
 
-static int make_plan(cli_map *map)
+static int make_plan(struct cli_map *map)
 {
     brdffit_error error = {0};
     const char *const path = map->settings->geometry != NULL ? map->settings->geometry
-                             : map->settings->lights != NULL ? map->settings->lights : map->settings->files[0];
+                             : map->settings->lights != NULL ? map->settings->lights
+                                                             : map->settings->files[0];
     brdffit_status status = BRDFFIT_OK;
     if (!map->general) {
         const size_t size = brdffit_plan_size(&map->geometry, &map->options);
         map->plan_memory = malloc(size > 0 ? size : 1);
-        if (map->plan_memory == NULL)
+        if (map->plan_memory == NULL) {
             return brdffit_cli_no_memory();
+        }
         status = brdffit_plan_init(&map->geometry, &map->options, map->plan_memory, size, &map->plan, &error);
     } else if (brdffit_workspace_size(map->samples, map->channels, &map->options) == 0) {
         fprintf(stderr, "brdffit: %s: more samples or channels than can be fitted\n", path);
         return CLI_EXIT_DATA;
     }
-    if (status != BRDFFIT_OK)
+    if (status != BRDFFIT_OK) {
         brdffit_cli_report_error(path, &error, map->table, 0);
+    }
     return brdffit_cli_status_exit(status);
 }
 
 /* Unfitted samples of a shared geometry; values are not looked at where the
  * weights are all there is to read. */
-static void count_skipped(cli_map *map)
+static void count_skipped(struct cli_map *map)
 {
     brdffit_samples copy = map->geometry;
     double *zeros = calloc(copy.count, sizeof *zeros);
     copy.channels = 1;
     copy.values = zeros;
-    if (zeros != NULL && !map->general)
+    if (zeros != NULL && !map->general) {
         (void)brdffit_inspect(&copy, &map->options, NULL, map->shared_skipped, NULL);
+    }
     free(zeros);
 }
 
 /* A tile may not depend on the threads: another number of them must be able
  * to go on where a run ended. */
-static void choose_tiles(cli_map *map)
+static void choose_tiles(struct cli_map *map)
 {
     const double row = 8.0 * (double)map->width *
-                       ((double)map->samples * (double)(map->channels + (map->light_map ? 3 : 0) +
-                                                        (map->view_map ? 3 : 0)));
+                       ((double)map->samples *
+                        (double)(map->channels + (map->light_map ? 3 : 0) + (map->view_map ? 3 : 0)));
     const size_t most = (map->height + TILES_WANTED - 1) / TILES_WANTED;
     size_t rows = row < TILE_BYTES ? (size_t)(TILE_BYTES / row) : 1;
     rows = rows < most ? rows : most;
-    if (map->settings->tile > 0)
+    if (map->settings->tile > 0) {
         rows = map->settings->tile < map->height ? map->settings->tile : map->height;
+    }
     map->tile_rows = rows;
     map->tiles = (map->height + rows - 1) / rows;
 }
 
-size_t brdffit_cli_map_rows(const cli_map *map, size_t tile)
+size_t brdffit_cli_map_rows(const struct cli_map *map, size_t tile)
 {
     const size_t left = map->height - tile * map->tile_rows;
     return left < map->tile_rows ? left : map->tile_rows;
 }
 
-size_t brdffit_cli_map_depth(const cli_map *map)
+size_t brdffit_cli_map_depth(const struct cli_map *map)
 {
     const size_t lobes = (size_t)map->options.lobes;
     return lobes + map->channels * (1 + lobes) + 2;
 }
 
-int brdffit_cli_map_open(cli_map *map, const cli_settings *settings)
+int brdffit_cli_map_open(struct cli_map *map, const struct cli_settings *settings)
 {
     memset(map, 0, sizeof *map);
     map->settings = settings;
     map->lock = -1;
     int code = check_words(settings);
-    if (code == 0)
+    if (code == 0) {
         code = open_images_and_geometry(map);
-    if (code == 0 && settings->lights != NULL)
+    }
+    if (code == 0 && settings->lights != NULL) {
         code = open_directions(map);
-    if (code == 0)
+    }
+    if (code == 0) {
         code = check_count(map);
-    if (code == 0 && settings->normals != NULL)
+    }
+    if (code == 0 && settings->normals != NULL) {
         code = open_normals(map, settings->normals);
-    if (code == 0 && settings->mask != NULL)
+    }
+    if (code == 0 && settings->mask != NULL) {
         code = open_mask(map, settings->mask);
-    if (code != 0)
+    }
+    if (code != 0) {
         return code;
+    }
     brdffit_cli_fit_options(settings, &map->options);
     map->general = map->light_map != NULL || map->view_map != NULL || map->normal_map != NULL;
     map->geometry.channels = map->channels;
@@ -406,14 +442,16 @@ int brdffit_cli_map_open(cli_map *map, const cli_settings *settings)
     }
     choose_tiles(map);
     code = check_build(map);
-    if (code == 0)
+    if (code == 0) {
         code = make_plan(map);
-    if (code == 0)
+    }
+    if (code == 0) {
         count_skipped(map);
+    }
     return code;
 }
 
-void brdffit_cli_map_close(cli_map *map)
+void brdffit_cli_map_close(struct cli_map *map)
 {
     brdffit_io_array_close(map->stack);
     brdffit_io_array_close(map->light_map);
@@ -421,8 +459,9 @@ void brdffit_cli_map_close(cli_map *map)
     brdffit_io_array_close(map->normal_map);
     brdffit_io_array_close(map->mask);
     brdffit_io_free(map->table);
-    for (size_t i = 0; map->images != NULL && i < map->samples; i++)
+    for (size_t i = 0; map->images != NULL && i < map->samples; i++) {
         free(map->images[i]);
+    }
     free(map->images);
     free(map->light);
     free(map->view);

@@ -20,31 +20,32 @@
 
 enum field_kind { FIELD_SIGMA, FIELD_EXPONENT, FIELD_X, FIELD_Y, FIELD_E2, FIELD_BOUND, FIELD_STATUS };
 
-typedef struct field {
+struct field {
     enum field_kind kind;
     const char *name;
     int dims; /* beyond height and width */
     size_t shape[2], width; /* their sizes and product */
     size_t offset; /* doubles a texel of a tile before this one's */
-} field;
+};
 
 #define FIELDS_MAX 7
 
 typedef int (*sink_fn)(void *user, const void *data, size_t size);
 
-typedef struct writer {
-    cli_map *map;
-    field fields[FIELDS_MAX];
+struct writer {
+    struct cli_map *map;
+    struct field fields[FIELDS_MAX];
     size_t count;
     double *values;
     unsigned char *status;
     unsigned char *bytes; /* what goes to the sink */
-    cli_map_counts total;
-} writer;
+    struct cli_map_counts total;
+};
 
-static void add_field(writer *w, enum field_kind kind, const char *name, int dims, size_t a, size_t b, size_t offset)
+static void add_field(struct writer *w, enum field_kind kind, const char *name, int dims, size_t a, size_t b,
+                      size_t offset)
 {
-    field *const f = &w->fields[w->count++];
+    struct field *const f = &w->fields[w->count++];
     f->kind = kind;
     f->name = name;
     f->dims = dims;
@@ -54,12 +55,13 @@ static void add_field(writer *w, enum field_kind kind, const char *name, int dim
     f->offset = offset;
 }
 
-static void list_fields(writer *w)
+static void list_fields(struct writer *w)
 {
     const size_t lobes = (size_t)w->map->options.lobes, channels = w->map->channels;
     add_field(w, FIELD_SIGMA, "sigma", 1, lobes, 0, 0);
-    if (brdffit_cli_by_exponent(w->map->options.distribution))
+    if (brdffit_cli_by_exponent(w->map->options.distribution)) {
         add_field(w, FIELD_EXPONENT, "exponent", 1, lobes, 0, 0);
+    }
     add_field(w, FIELD_X, "x", 1, channels, 0, lobes);
     add_field(w, FIELD_Y, "y", 2, channels, lobes, lobes + channels);
     add_field(w, FIELD_E2, "e2", 0, 0, 0, lobes + channels + channels * lobes);
@@ -67,24 +69,26 @@ static void list_fields(writer *w)
     add_field(w, FIELD_STATUS, "status", 0, 0, 0, 0);
 }
 
-static double value_of(const writer *w, const field *f, size_t texels, size_t at)
+static double value_of(const struct writer *w, const struct field *f, size_t texels, size_t at)
 {
     const double value = f->kind == FIELD_STATUS ? w->status[at] : w->values[f->offset * texels + at];
     return f->kind == FIELD_EXPONENT ? 1 / (value * value) : value;
 }
 
-static int load(writer *w, size_t tile, cli_map_counts *counts)
+static int load(struct writer *w, size_t tile, struct cli_map_counts *counts)
 {
-    if (brdffit_cli_map_load_tile(w->map, tile, counts, w->values, w->status) == 0)
+    if (brdffit_cli_map_load_tile(w->map, tile, counts, w->values, w->status) == 0) {
         return 0;
+    }
     fprintf(stderr, "brdffit: %s: tile %zu cannot be read again; repeat the command\n", w->map->work, tile);
     return CLI_EXIT_FAILURE;
 }
 
 static size_t put_little(unsigned char *to, uint64_t bits, size_t size)
 {
-    for (size_t i = 0; i < size; i++)
+    for (size_t i = 0; i < size; i++) {
         to[i] = (unsigned char)(bits >> 8 * i);
+    }
     return size;
 }
 
@@ -97,7 +101,8 @@ static size_t put_double(unsigned char *to, double value)
 
 /* ---- NPY --------------------------------------------------------------- */
 
-static uint64_t npy_start(const writer *w, const field *f, unsigned char header[BRDFFIT_IO_HEADER_MAX], size_t *length)
+static uint64_t npy_start(const struct writer *w, const struct field *f, unsigned char header[BRDFFIT_IO_HEADER_MAX],
+                          size_t *length)
 {
     const int bytes = f->kind == FIELD_STATUS;
     const size_t shape[4] = {w->map->height, w->map->width, f->shape[0], f->shape[1]};
@@ -106,24 +111,28 @@ static uint64_t npy_start(const writer *w, const field *f, unsigned char header[
 }
 
 /* The whole file of a map, in order, into a sink. 0 or an exit code. */
-static int stream_npy(writer *w, const field *f, sink_fn sink, void *user)
+static int stream_npy(struct writer *w, const struct field *f, sink_fn sink, void *user)
 {
     unsigned char header[BRDFFIT_IO_HEADER_MAX];
     size_t length;
     (void)npy_start(w, f, header, &length);
-    if (sink(user, header, length) != 0)
+    if (sink(user, header, length) != 0) {
         return CLI_EXIT_FAILURE;
+    }
     for (size_t tile = 0; tile < w->map->tiles; tile++) {
         const size_t texels = brdffit_cli_map_rows(w->map, tile) * w->map->width;
         size_t size = 0;
         const int code = load(w, tile, NULL);
-        if (code != 0)
+        if (code != 0) {
             return code;
-        for (size_t i = 0; f->kind != FIELD_STATUS && i < texels * f->width; i++)
+        }
+        for (size_t i = 0; f->kind != FIELD_STATUS && i < texels * f->width; i++) {
             size += put_double(w->bytes + size, value_of(w, f, texels, i));
+        }
         const int failed = f->kind == FIELD_STATUS ? sink(user, w->status, texels) : sink(user, w->bytes, size);
-        if (failed)
+        if (failed) {
             return CLI_EXIT_FAILURE;
+        }
     }
     return 0;
 }
@@ -133,28 +142,33 @@ static int stream_npy(writer *w, const field *f, sink_fn sink, void *user)
 static float as_float(enum field_kind kind, double value)
 {
     const float near = (float)value;
-    if (kind == FIELD_E2 && near < value)
+    if (kind == FIELD_E2 && near < value) {
         return nextafterf(near, INFINITY);
-    if (kind == FIELD_BOUND && near > value)
+    }
+    if (kind == FIELD_BOUND && near > value) {
         return nextafterf(near, 0);
+    }
     return near;
 }
 
 /* Component `first` and, `step` apart, `channels` - 1 more, from the bottom up. */
-static int stream_pfm(writer *w, const field *f, size_t first, size_t step, int channels, sink_fn sink, void *user)
+static int stream_pfm(struct writer *w, const struct field *f, size_t first, size_t step, int channels, sink_fn sink,
+                      void *user)
 {
     unsigned char header[BRDFFIT_IO_HEADER_MAX];
     const size_t width = w->map->width;
     const size_t length = brdffit_io_pfm_header(width, w->map->height, channels, header);
-    if (sink(user, header, length) != 0)
+    if (sink(user, header, length) != 0) {
         return CLI_EXIT_FAILURE;
+    }
     for (size_t tile = w->map->tiles; tile-- > 0;) {
         const size_t rows = brdffit_cli_map_rows(w->map, tile);
         size_t size = 0;
         const int code = load(w, tile, NULL);
-        if (code != 0)
+        if (code != 0) {
             return code;
-        for (size_t y = rows; y-- > 0;)
+        }
+        for (size_t y = rows; y-- > 0;) {
             for (size_t i = 0; i < width * (size_t)channels; i++) {
                 const size_t texel = y * width + i / (size_t)channels, k = first + i % (size_t)channels * step;
                 const float value = as_float(f->kind, value_of(w, f, rows * width, texel * f->width + k));
@@ -162,8 +176,10 @@ static int stream_pfm(writer *w, const field *f, size_t first, size_t step, int 
                 memcpy(&bits, &value, sizeof bits);
                 size += put_little(w->bytes + size, bits, 4);
             }
-        if (sink(user, w->bytes, size) != 0)
+        }
+        if (sink(user, w->bytes, size) != 0) {
             return CLI_EXIT_FAILURE;
+        }
     }
     return 0;
 }
@@ -172,36 +188,39 @@ static int stream_pfm(writer *w, const field *f, size_t first, size_t step, int 
 
 static int to_file(void *user, const void *data, size_t size)
 {
-    cli_text view = {0};
+    struct cli_text view = {0};
     view.data = (char *)(uintptr_t)data;
     view.size = size;
     return brdffit_cli_output_add(user, &view);
 }
 
 /* Write out/NAME by `stream`, or as a PFM when it has channels. */
-static int write_file(writer *w, const char *name, const field *f, size_t first, size_t step, int channels)
+static int write_file(struct writer *w, const char *name, const struct field *f, size_t first, size_t step,
+                      int channels)
 {
-    cli_output output;
+    struct cli_output output;
     char inside[128];
     (void)snprintf(inside, sizeof inside, "out/%s", name);
     char *const path = brdffit_cli_map_path(w->map, inside);
-    if (path == NULL)
+    if (path == NULL) {
         return brdffit_cli_no_memory();
+    }
     int code = brdffit_cli_output_open(&output, path) != 0 ? CLI_EXIT_FAILURE : 0;
     if (code == 0) {
         code = channels == 0 ? stream_npy(w, f, to_file, &output)
                              : stream_pfm(w, f, first, step, channels, to_file, &output);
-        if (code != 0)
+        if (code != 0) {
             brdffit_cli_output_abandon(&output);
-        else if (brdffit_cli_output_commit(&output) != 0)
+        } else if (brdffit_cli_output_commit(&output) != 0) {
             code = CLI_EXIT_FAILURE;
+        }
     }
     free(path);
     return code;
 }
 
 /* Three channels are a colour image; otherwise each has a file, counted from 1. */
-static int write_pfm(writer *w, const field *f)
+static int write_pfm(struct writer *w, const struct field *f)
 {
     const size_t channels = w->map->channels, lobes = (size_t)w->map->options.lobes;
     const int colour = channels == 3 && (f->kind == FIELD_X || f->kind == FIELD_Y);
@@ -209,36 +228,37 @@ static int write_pfm(writer *w, const field *f)
     char name[64];
     int code = 0;
     for (size_t i = 0; code == 0 && i < (colour ? step : f->width); i++) {
-        if (f->width == 1 || (colour && f->kind == FIELD_X))
+        if (f->width == 1 || (colour && f->kind == FIELD_X)) {
             (void)snprintf(name, sizeof name, "%s.pfm", f->name);
-        else if (f->kind == FIELD_Y && !colour)
+        } else if (f->kind == FIELD_Y && !colour) {
             (void)snprintf(name, sizeof name, "y_%zu_%zu.pfm", i / lobes + 1, i % lobes + 1);
-        else
+        } else {
             (void)snprintf(name, sizeof name, "%s_%zu.pfm", f->name, i + 1);
+        }
         code = write_file(w, name, f, i, step, colour ? 3 : 1);
     }
     return code;
 }
 
-static void legend(cli_json *json)
+static void legend(struct cli_json *json)
 {
     char key[16];
     brdffit_cli_json_open(json, "status", '{');
     for (int s = 0; s < CLI_TEXEL_COUNT; s++) {
         (void)snprintf(key, sizeof key, "%d", s);
-        brdffit_cli_json_string(json, key, s == CLI_TEXEL_NO_SAMPLES ? "no_samples"
-                                               : brdffit_texel_status_string((brdffit_texel_status)s));
+        brdffit_cli_json_string(
+            json, key, s == CLI_TEXEL_NO_SAMPLES ? "no_samples" : brdffit_texel_status_string((brdffit_texel_status)s));
     }
     brdffit_cli_json_close(json, '}');
 }
 
 /* What the maps are: nothing in it depends on threads, tiles or time. */
-static int write_description(const writer *w)
+static int write_description(const struct writer *w)
 {
-    const cli_map *const map = w->map;
-    cli_text text = {0};
-    cli_json json = {&text, 0};
-    cli_output output;
+    const struct cli_map *const map = w->map;
+    struct cli_text text = {0};
+    struct cli_json json = {&text, 0};
+    struct cli_output output;
     char *const path = brdffit_cli_map_path(map, "out/map.json");
     brdffit_cli_json_open(&json, NULL, '{');
     brdffit_cli_json_string(&json, "schema", "brdffit.map/1");
@@ -255,17 +275,19 @@ static int write_description(const writer *w)
                             brdffit_cli_choice_name(brdffit_cli_quantity_choices, (int)map->geometry.quantity));
     legend(&json);
     brdffit_cli_json_open(&json, "texels", '{');
-    for (int s = 0; s < CLI_TEXEL_COUNT; s++)
-        brdffit_cli_json_count(&json, s == CLI_TEXEL_NO_SAMPLES ? "no_samples"
-                                          : brdffit_texel_status_string((brdffit_texel_status)s),
-                               (size_t)w->total.status[s]);
+    for (int s = 0; s < CLI_TEXEL_COUNT; s++) {
+        brdffit_cli_json_count(
+            &json, s == CLI_TEXEL_NO_SAMPLES ? "no_samples" : brdffit_texel_status_string((brdffit_texel_status)s),
+            (size_t)w->total.status[s]);
+    }
     brdffit_cli_json_close(&json, '}');
     brdffit_cli_json_close(&json, '}');
     brdffit_cli_text_puts(&text, "\n");
     int code = path == NULL ? brdffit_cli_no_memory() : 0;
-    if (code == 0 && brdffit_cli_output_open(&output, path) != 0)
+    if (code == 0 && brdffit_cli_output_open(&output, path) != 0) {
         code = CLI_EXIT_FAILURE;
-    else if (code == 0 && (brdffit_cli_output_write(&output, &text) != 0 || brdffit_cli_output_commit(&output) != 0)) {
+    } else if (code == 0 &&
+               (brdffit_cli_output_write(&output, &text) != 0 || brdffit_cli_output_commit(&output) != 0)) {
         brdffit_cli_output_abandon(&output);
         code = CLI_EXIT_FAILURE;
     }
@@ -278,7 +300,7 @@ static int write_description(const writer *w)
 
 static int move(const char *from, const char *to, const char *name)
 {
-    cli_text a = {0}, b = {0};
+    struct cli_text a = {0}, b = {0};
     brdffit_cli_text_printf(&a, "%s/%s", from, name);
     brdffit_cli_text_printf(&b, "%s/%s", to, name);
     int code = a.failed || b.failed ? brdffit_cli_no_memory() : 0;
@@ -300,14 +322,16 @@ static int move_all(const char *out, const char *target)
         fprintf(stderr, "brdffit: %s: cannot open the folder (%s)\n", out, strerror(errno));
         return CLI_EXIT_FAILURE;
     }
-    for (const struct dirent *entry; code == 0 && (entry = readdir(stream)) != NULL;)
-        if (entry->d_name[0] != '.')
+    for (const struct dirent *entry; code == 0 && (entry = readdir(stream)) != NULL;) {
+        if (entry->d_name[0] != '.') {
             code = move(out, target, entry->d_name);
+        }
+    }
     (void)closedir(stream);
     return code;
 }
 
-static int write_folder(writer *w, const char *target)
+static int write_folder(struct writer *w, const char *target)
 {
     const int pfm = w->map->settings->map_format == CLI_MAP_PFM;
     char name[64];
@@ -321,10 +345,12 @@ static int write_folder(writer *w, const char *target)
         (void)snprintf(name, sizeof name, "%s.npy", w->fields[i].name);
         code = pfm ? write_pfm(w, &w->fields[i]) : write_file(w, name, &w->fields[i], 0, 0, 0);
     }
-    if (code == 0)
+    if (code == 0) {
         code = write_description(w);
-    if (code == 0 && rename(out, target) != 0)
+    }
+    if (code == 0 && rename(out, target) != 0) {
         code = move_all(out, target);
+    }
     free(out);
     return code;
 }
@@ -343,50 +369,58 @@ static int to_zip(void *user, const void *data, size_t size)
     return brdffit_io_zip_write(user, data, size) == BRDFFIT_OK ? 0 : -1;
 }
 
-static int write_members(writer *w, brdffit_io_zip *zip)
+static int write_members(struct writer *w, brdffit_io_zip *zip)
 {
     for (size_t i = 0; i < w->count; i++) {
-        const field *const f = &w->fields[i];
+        const struct field *const f = &w->fields[i];
         unsigned char header[BRDFFIT_IO_HEADER_MAX];
         unsigned long crc = 0;
         size_t length;
         char name[64];
         (void)snprintf(name, sizeof name, "%s.npy", f->name);
         int code = stream_npy(w, f, to_checksum, &crc);
-        if (code == 0 && brdffit_io_zip_begin(zip, name, npy_start(w, f, header, &length), crc) != BRDFFIT_OK)
+        if (code == 0 && brdffit_io_zip_begin(zip, name, npy_start(w, f, header, &length), crc) != BRDFFIT_OK) {
             code = CLI_EXIT_FAILURE;
-        if (code == 0)
+        }
+        if (code == 0) {
             code = stream_npy(w, f, to_zip, zip);
-        if (code != 0)
+        }
+        if (code != 0) {
             return code;
+        }
     }
     return 0;
 }
 
-static int write_npz(writer *w, const char *target)
+static int write_npz(struct writer *w, const char *target)
 {
-    cli_output output;
-    if (brdffit_cli_output_open(&output, target) != 0)
+    struct cli_output output;
+    if (brdffit_cli_output_open(&output, target) != 0) {
         return CLI_EXIT_FAILURE;
+    }
     brdffit_io_zip *const zip = brdffit_io_zip_new(to_file, &output);
     int code = zip == NULL ? brdffit_cli_no_memory() : write_members(w, zip);
-    if (zip != NULL && brdffit_io_zip_finish(zip, code != 0) != BRDFFIT_OK)
+    if (zip != NULL && brdffit_io_zip_finish(zip, code != 0) != BRDFFIT_OK) {
         code = CLI_EXIT_FAILURE;
-    if (code != 0)
+    }
+    if (code != 0) {
         brdffit_cli_output_abandon(&output);
-    else if (brdffit_cli_output_commit(&output) != 0)
+    } else if (brdffit_cli_output_commit(&output) != 0) {
         code = CLI_EXIT_FAILURE;
+    }
     return code;
 }
 
 /* ---- All --------------------------------------------------------------- */
 
-void brdffit_cli_map_add(cli_map_counts *sum, const cli_map_counts *counts)
+void brdffit_cli_map_add(struct cli_map_counts *sum, const struct cli_map_counts *counts)
 {
-    for (int s = 0; s < CLI_TEXEL_COUNT; s++)
+    for (int s = 0; s < CLI_TEXEL_COUNT; s++) {
         sum->status[s] += counts->status[s];
-    for (int s = 0; s < BRDFFIT_SKIP_COUNT; s++)
+    }
+    for (int s = 0; s < BRDFFIT_SKIP_COUNT; s++) {
         sum->skipped[s] += counts->skipped[s];
+    }
     sum->equal += counts->equal;
     sum->general += counts->general;
     sum->zero_channels += counts->zero_channels;
@@ -400,25 +434,26 @@ void brdffit_cli_map_add(cli_map_counts *sum, const cli_map_counts *counts)
     }
 }
 
-static int add_up(writer *w)
+static int add_up(struct writer *w)
 {
     memset(&w->total, 0, sizeof w->total);
     w->total.bad_texel = UINT64_MAX;
     for (size_t tile = 0; tile < w->map->tiles; tile++) {
-        cli_map_counts counts;
+        struct cli_map_counts counts;
         const int code = load(w, tile, &counts);
-        if (code != 0)
+        if (code != 0) {
             return code;
+        }
         brdffit_cli_map_add(&w->total, &counts);
     }
     return 0;
 }
 
-int brdffit_cli_map_write(cli_map *map, const char *target, cli_map_counts *counts)
+int brdffit_cli_map_write(struct cli_map *map, const char *target, struct cli_map_counts *counts)
 {
     const size_t texels = map->tile_rows * map->width, length = strlen(target);
     const int npz = length > 4 && strcmp(target + length - 4, ".npz") == 0;
-    writer w;
+    struct writer w;
     memset(&w, 0, sizeof w);
     w.map = map;
     w.values = malloc(texels * brdffit_cli_map_depth(map) * sizeof *w.values);
@@ -426,10 +461,12 @@ int brdffit_cli_map_write(cli_map *map, const char *target, cli_map_counts *coun
     w.status = malloc(texels);
     int code = w.values == NULL || w.bytes == NULL || w.status == NULL ? brdffit_cli_no_memory() : 0;
     list_fields(&w);
-    if (code == 0)
+    if (code == 0) {
         code = add_up(&w);
-    if (code == 0)
+    }
+    if (code == 0) {
         code = npz ? write_npz(&w, target) : write_folder(&w, target);
+    }
     *counts = w.total;
     free(w.values);
     free(w.bytes);

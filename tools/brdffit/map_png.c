@@ -19,7 +19,7 @@
 #include "map.h"
 #include "output.h"
 
-typedef struct reader {
+struct reader {
     const char *path;
     FILE *file;
     png_structp png;
@@ -28,11 +28,11 @@ typedef struct reader {
     int bits;
     unsigned char **volatile rows;
     unsigned char *volatile pixels;
-} reader;
+};
 
 static void on_error(png_structp png, png_const_charp message)
 {
-    const reader *const r = png_get_error_ptr(png);
+    const struct reader *const r = png_get_error_ptr(png);
     fprintf(stderr, "brdffit: %s: the PNG cannot be read: %s\n", r->path, message);
     longjmp(png_jmpbuf(png), 1);
 }
@@ -43,17 +43,18 @@ static void on_warning(png_structp png, png_const_charp message)
     (void)message;
 }
 
-static void finish(reader *r)
+static void finish(struct reader *r)
 {
     free((void *)r->rows);
     free(r->pixels);
     png_destroy_read_struct(&r->png, &r->info, NULL);
-    if (r->file != NULL)
+    if (r->file != NULL) {
         (void)fclose(r->file);
+    }
 }
 
 /* Header and conversions. After it png_jmpbuf must be set anew. */
-static int begin(reader *r, const char *path)
+static int begin(struct reader *r, const char *path)
 {
     memset(r, 0, sizeof *r);
     r->path = path;
@@ -64,17 +65,21 @@ static int begin(reader *r, const char *path)
     }
     r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, r, on_error, on_warning);
     r->info = r->png != NULL ? png_create_info_struct(r->png) : NULL;
-    if (r->info == NULL)
+    if (r->info == NULL) {
         return brdffit_cli_no_memory();
-    if (setjmp(png_jmpbuf(r->png)))
+    }
+    if (setjmp(png_jmpbuf(r->png))) {
         return CLI_EXIT_DATA;
+    }
     png_init_io(r->png, r->file);
     png_read_info(r->png, r->info);
     r->bits = png_get_bit_depth(r->png, r->info) == 16 ? 16 : 8;
-    if (png_get_color_type(r->png, r->info) == PNG_COLOR_TYPE_PALETTE)
+    if (png_get_color_type(r->png, r->info) == PNG_COLOR_TYPE_PALETTE) {
         png_set_palette_to_rgb(r->png);
-    if (png_get_bit_depth(r->png, r->info) < 8)
+    }
+    if (png_get_bit_depth(r->png, r->info) < 8) {
         png_set_expand_gray_1_2_4_to_8(r->png);
+    }
     png_set_strip_alpha(r->png);
     (void)png_set_interlace_handling(r->png);
     png_read_update_info(r->png, r->info);
@@ -86,7 +91,7 @@ static int begin(reader *r, const char *path)
 
 int brdffit_cli_png_shape(const char *path, size_t shape[3])
 {
-    reader r;
+    struct reader r;
     const int code = begin(&r, path);
     shape[0] = r.height;
     shape[1] = r.width;
@@ -95,17 +100,20 @@ int brdffit_cli_png_shape(const char *path, size_t shape[3])
     return code;
 }
 
-static int read_pixels(reader *r)
+static int read_pixels(struct reader *r)
 {
     const size_t stride = png_get_rowbytes(r->png, r->info);
     r->pixels = malloc(r->height * stride);
     r->rows = calloc(r->height, sizeof *r->rows);
-    if (r->pixels == NULL || r->rows == NULL)
+    if (r->pixels == NULL || r->rows == NULL) {
         return brdffit_cli_no_memory();
-    for (size_t y = 0; y < r->height; y++)
+    }
+    for (size_t y = 0; y < r->height; y++) {
         r->rows[y] = r->pixels + y * stride;
-    if (setjmp(png_jmpbuf(r->png)))
+    }
+    if (setjmp(png_jmpbuf(r->png))) {
         return CLI_EXIT_DATA;
+    }
     png_read_image(r->png, (png_bytepp)r->rows);
     png_read_end(r->png, NULL);
     return 0;
@@ -120,34 +128,36 @@ static void make_curve(float curve[256], int srgb)
     }
 }
 
-static void put_float(cli_text *row, float value)
+static void put_float(struct cli_text *row, float value)
 {
     uint32_t bits;
     char bytes[4];
     memcpy(&bits, &value, sizeof bits);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         bytes[i] = (char)(unsigned char)(bits >> 8 * i);
+    }
     brdffit_cli_text_add(row, bytes, 4);
 }
 
-static int write_pixels(const reader *r, const float curve[256], cli_output *output)
+static int write_pixels(const struct reader *r, const float curve[256], struct cli_output *output)
 {
-    cli_text row = {0};
+    struct cli_text row = {0};
     int failed = 0;
     for (size_t y = 0; y < r->height && !failed; y++) {
         const unsigned char *at = r->rows[y];
         brdffit_cli_text_clear(&row);
-        for (size_t i = 0; i < r->width * r->channels; i++, at += r->bits / 8)
+        for (size_t i = 0; i < r->width * r->channels; i++, at += r->bits / 8) {
             put_float(&row, r->bits == 8 ? curve[at[0]] : (float)((at[0] << 8 | at[1]) / 65535.0));
+        }
         failed = brdffit_cli_output_add(output, &row) != 0;
     }
     brdffit_cli_text_free(&row);
     return failed ? CLI_EXIT_FAILURE : 0;
 }
 
-static int unpack_one(const cli_map *map, const char *path, const float curve[256], cli_output *output)
+static int unpack_one(const struct cli_map *map, const char *path, const float curve[256], struct cli_output *output)
 {
-    reader r;
+    struct reader r;
     int code = begin(&r, path);
     if (code == 0 && (r.height != map->height || r.width != map->width || r.channels != map->channels)) {
         fprintf(stderr, "brdffit: %s: the image changed while it was read\n", path);
@@ -157,41 +167,47 @@ static int unpack_one(const cli_map *map, const char *path, const float curve[25
         fprintf(stderr, "brdffit: %s: --srgb is for 8-bit images, and this one has 16\n", path);
         code = CLI_EXIT_DATA;
     }
-    if (code == 0)
+    if (code == 0) {
         code = read_pixels(&r);
-    if (code == 0)
+    }
+    if (code == 0) {
         code = write_pixels(&r, curve, output);
+    }
     finish(&r);
     return code;
 }
 
-int brdffit_cli_png_unpack(cli_map *map)
+int brdffit_cli_png_unpack(struct cli_map *map)
 {
     const size_t shape[4] = {map->samples, map->height, map->width, map->channels};
     char *const path = brdffit_cli_map_path(map, "images.npy");
     unsigned char header[BRDFFIT_IO_HEADER_MAX];
     float curve[256];
-    cli_output output;
-    cli_text head = {0};
-    if (path == NULL)
+    struct cli_output output;
+    struct cli_text head = {0};
+    if (path == NULL) {
         return brdffit_cli_no_memory();
+    }
     int code = brdffit_cli_output_open(&output, path) != 0 ? CLI_EXIT_FAILURE : 0;
     if (code == 0) {
         brdffit_cli_text_add(&head, (const char *)header, brdffit_io_npy_header('f', 4, 4, shape, header));
         code = brdffit_cli_output_add(&output, &head) != 0 ? CLI_EXIT_FAILURE : 0;
         make_curve(curve, map->settings->srgb);
-        for (size_t i = 0; code == 0 && i < map->samples; i++)
+        for (size_t i = 0; code == 0 && i < map->samples; i++) {
             code = unpack_one(map, map->images[i], curve, &output);
-        if (code != 0)
+        }
+        if (code != 0) {
             brdffit_cli_output_abandon(&output);
-        else if (brdffit_cli_output_commit(&output) != 0)
+        } else if (brdffit_cli_output_commit(&output) != 0) {
             code = CLI_EXIT_FAILURE;
+        }
     }
     brdffit_cli_text_free(&head);
-    cli_text ignored = map->identity; /* it is no input */
+    struct cli_text ignored = map->identity; /* it is no input */
     memset(&map->identity, 0, sizeof map->identity);
-    if (code == 0)
+    if (code == 0) {
         code = brdffit_cli_map_array(map, "unpacked", path, &map->stack);
+    }
     brdffit_cli_text_free(&map->identity);
     map->identity = ignored;
     free(path);

@@ -12,23 +12,25 @@ int brdffit_cli_map_is_npz(const char *path)
     return length > 4 && strcmp(path + length - 4, ".npz") == 0;
 }
 
-static void add_count(cli_text *text, const char *before, uint64_t count, const char *what)
+static void add_count(struct cli_text *text, const char *before, uint64_t count, const char *what)
 {
-    if (count == 0)
+    if (count == 0) {
         return;
+    }
     brdffit_cli_text_puts(text, before);
     brdffit_cli_grouped(text, (size_t)count);
     brdffit_cli_text_printf(text, "\t%s", what);
 }
 
-static void report_statuses(cli_text *text, const cli_map_counts *counts)
+static void report_statuses(struct cli_text *text, const struct cli_map_counts *counts)
 {
     static const char *const words[CLI_TEXEL_COUNT] = {
-        "certified", "open: the search stopped early", "without signal", "masked", "with a bad value", "refused",
-        "with no sample left to fit"};
+        "certified", "open: the search stopped early", "without signal", "masked", "with a bad value",
+        "refused",   "with no sample left to fit"};
     uint64_t total = 0;
-    for (int s = 0; s < CLI_TEXEL_COUNT; s++)
+    for (int s = 0; s < CLI_TEXEL_COUNT; s++) {
         total += counts->status[s];
+    }
     brdffit_cli_grouped(text, (size_t)total);
     brdffit_cli_text_puts(text, " texels");
     const char *before = ": ";
@@ -39,9 +41,10 @@ static void report_statuses(cli_text *text, const cli_map_counts *counts)
     brdffit_cli_text_puts(text, ".");
 }
 
-static void report_stats(cli_text *text, cli_style style, const cli_map *map, const cli_map_counts *counts)
+static void report_stats(struct cli_text *text, struct cli_style style, const struct cli_map *map,
+                         const struct cli_map_counts *counts)
 {
-    cli_text words = {0};
+    struct cli_text words = {0};
     brdffit_cli_grouped(&words, (size_t)counts->boxes);
     brdffit_cli_text_puts(&words, "\tboxes, ");
     brdffit_cli_grouped(&words, (size_t)counts->nodes);
@@ -67,20 +70,21 @@ static void report_stats(cli_text *text, cli_style style, const cli_map *map, co
     brdffit_cli_text_free(&words);
 }
 
-static void add_run(cli_text *words, const cli_map *map, size_t threads, double seconds, size_t texels)
+static void add_run(struct cli_text *words, const struct cli_map *map, size_t threads, double seconds, size_t texels)
 {
     brdffit_cli_text_printf(words, "; %zu thread%s, at most %.3g\tMB each;\t", threads, threads == 1 ? "" : "s",
                             (double)brdffit_cli_map_worker_bytes(map) / 1e6);
     brdffit_cli_duration(words, seconds);
-    if (texels > 0 && seconds > 0)
+    if (texels > 0 && seconds > 0) {
         brdffit_cli_text_printf(words, ", %.3g\ttexels/s", (double)texels / seconds);
+    }
 }
 
-void brdffit_cli_map_report(const cli_map *map, const char *target, const cli_map_counts *counts, size_t threads,
-                            double seconds, size_t texels)
+void brdffit_cli_map_report(const struct cli_map *map, const char *target, const struct cli_map_counts *counts,
+                            size_t threads, double seconds, size_t texels)
 {
-    const cli_style style = brdffit_cli_style(stdout);
-    cli_text text = {0}, words = {0};
+    const struct cli_style style = brdffit_cli_style(stdout);
+    struct cli_text text = {0}, words = {0};
     brdffit_cli_name(&text, style, map->settings->files[0]);
     brdffit_cli_text_printf(&text, ": %zu samples of %zu x %zu texels, %zu channel%s\n", map->samples, map->height,
                             map->width, map->channels, map->channels == 1 ? "" : "s");
@@ -89,14 +93,17 @@ void brdffit_cli_map_report(const cli_map *map, const char *target, const cli_ma
     brdffit_cli_text_clear(&words);
     brdffit_cli_text_printf(&words, "%zu tile%s of %zu row%s", map->tiles, map->tiles == 1 ? "" : "s", map->tile_rows,
                             map->tile_rows == 1 ? "" : "s");
-    if (map->resumed > 0 && threads > 0)
+    if (map->resumed > 0 && threads > 0) {
         brdffit_cli_text_printf(&words, ", %zu of them from an earlier run", map->resumed);
-    if (threads > 0)
+    }
+    if (threads > 0) {
         add_run(&words, map, threads, seconds, texels);
+    }
     brdffit_cli_text_puts(&words, ".");
     brdffit_cli_paragraph(&text, style, CLI_BOLD, "Run:", brdffit_cli_text_string(&words));
-    if (map->settings->stats)
+    if (map->settings->stats) {
         report_stats(&text, style, map, counts);
+    }
     brdffit_cli_text_puts(&text, "  Maps: ");
     brdffit_cli_name(&text, style, target);
     brdffit_cli_text_puts(&text, brdffit_cli_map_is_npz(target) ? "\n" : "/\n");
@@ -105,11 +112,11 @@ void brdffit_cli_map_report(const cli_map *map, const char *target, const cli_ma
     brdffit_cli_text_free(&words);
 }
 
-int brdffit_cli_map_finish(const cli_map *map, const cli_map_counts *counts)
+int brdffit_cli_map_finish(const struct cli_map *map, const struct cli_map_counts *counts)
 {
     const uint64_t unusable = counts->status[BRDFFIT_TEXEL_BAD_VALUE] + counts->status[BRDFFIT_TEXEL_REFUSED] +
                               counts->status[CLI_TEXEL_NO_SAMPLES];
-    if (counts->bad_texel != UINT64_MAX)
+    if (counts->bad_texel != UINT64_MAX) {
         fprintf(stderr,
                 "brdffit: %s: %llu texel%s with a bad value; the first: row %llu, column %llu, sample %llu, channel "
                 "%llu, all from 0\n",
@@ -119,7 +126,9 @@ int brdffit_cli_map_finish(const cli_map *map, const cli_map_counts *counts)
                 (unsigned long long)(counts->bad_texel % map->width),
                 (unsigned long long)(counts->bad_where / map->channels),
                 (unsigned long long)(counts->bad_where % map->channels));
-    if (unusable > 0)
+    }
+    if (unusable > 0) {
         return CLI_EXIT_DATA;
+    }
     return counts->status[BRDFFIT_TEXEL_OPEN] > 0 ? CLI_EXIT_OPEN : 0;
 }

@@ -16,8 +16,8 @@
 #include "map.h"
 #include "progress.h"
 
-typedef struct pool {
-    const cli_map *map;
+struct pool {
+    const struct cli_map *map;
     pthread_mutex_t mutex; /* guards what follows */
     pthread_cond_t changed;
     unsigned char *done;   /* a tile each: there, or taken */
@@ -25,14 +25,15 @@ typedef struct pool {
     size_t texels;         /* fitted in this run */
     int code;              /* the worst so far */
     int stop;
-} pool;
+};
 
 size_t brdffit_cli_processors(void)
 {
 #ifdef __linux__
     cpu_set_t set;
-    if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
+    if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0) {
         return (size_t)CPU_COUNT(&set);
+    }
 #endif
     const long online = sysconf(_SC_NPROCESSORS_ONLN);
     return online > 0 ? (size_t)online : 1;
@@ -40,7 +41,7 @@ size_t brdffit_cli_processors(void)
 
 static int tick(void *user, size_t texels)
 {
-    pool *const p = user;
+    struct pool *const p = user;
     pthread_mutex_lock(&p->mutex);
     p->texels += texels;
     const int stop = p->stop || brdffit_cli_interrupted();
@@ -49,11 +50,12 @@ static int tick(void *user, size_t texels)
 }
 
 /* A tile that nobody has; 0 when there is none, or reason to stop. */
-static int take(pool *p, size_t *tile)
+static int take(struct pool *p, size_t *tile)
 {
     pthread_mutex_lock(&p->mutex);
-    while (p->next < p->map->tiles && p->done[p->next])
+    while (p->next < p->map->tiles && p->done[p->next]) {
         p->next++;
+    }
     const int got = !p->stop && !brdffit_cli_interrupted() && p->next < p->map->tiles;
     *tile = p->next;
     p->next += (size_t)got;
@@ -63,11 +65,12 @@ static int take(pool *p, size_t *tile)
 
 static void *work(void *user)
 {
-    pool *const p = user;
-    cli_map_worker *const worker = brdffit_cli_map_worker(p->map);
+    struct pool *const p = user;
+    struct cli_map_worker *const worker = brdffit_cli_map_worker(p->map);
     int code = worker == NULL ? brdffit_cli_no_memory() : 0;
-    for (size_t tile; code == 0 && take(p, &tile);)
+    for (size_t tile; code == 0 && take(p, &tile);) {
         code = brdffit_cli_map_tile(worker, tile, tick, p);
+    }
     brdffit_cli_map_worker_free(worker);
     pthread_mutex_lock(&p->mutex);
     if (code > 0) {
@@ -81,7 +84,7 @@ static void *work(void *user)
 }
 
 /* Until the last thread is done: the line of progress. */
-static void watch(pool *p, cli_progress *progress)
+static void watch(struct pool *p, struct cli_progress *progress)
 {
     pthread_mutex_lock(&p->mutex);
     while (p->running > 0) {
@@ -100,27 +103,29 @@ static void watch(pool *p, cli_progress *progress)
     brdffit_cli_progress_erase(progress);
 }
 
-static size_t texels_missing(const pool *p, size_t *tiles)
+static size_t texels_missing(const struct pool *p, size_t *tiles)
 {
     size_t texels = 0;
-    for (size_t tile = 0; tile < p->map->tiles; tile++)
+    for (size_t tile = 0; tile < p->map->tiles; tile++) {
         if (!p->done[tile]) {
             texels += brdffit_cli_map_rows(p->map, tile) * p->map->width;
             ++*tiles;
         }
+    }
     return texels;
 }
 
 /* Signals are for the main thread. */
-static size_t start(pool *p, pthread_t *threads, size_t wanted)
+static size_t start(struct pool *p, pthread_t *threads, size_t wanted)
 {
     sigset_t all, before;
     size_t started = 0;
     (void)sigfillset(&all);
     (void)pthread_sigmask(SIG_BLOCK, &all, &before);
     p->running = wanted;
-    while (started < wanted && pthread_create(&threads[started], NULL, work, p) == 0)
+    while (started < wanted && pthread_create(&threads[started], NULL, work, p) == 0) {
         started++;
+    }
     pthread_mutex_lock(&p->mutex);
     p->running -= wanted - started;
     pthread_mutex_unlock(&p->mutex);
@@ -128,21 +133,23 @@ static size_t start(pool *p, pthread_t *threads, size_t wanted)
     return started;
 }
 
-static int run(pool *p, size_t threads, size_t *texels)
+static int run(struct pool *p, size_t threads, size_t *texels)
 {
-    cli_progress progress;
+    struct cli_progress progress;
     size_t missing = 0;
     const size_t total = texels_missing(p, &missing);
     threads = threads < missing ? threads : missing;
     pthread_t *const ids = calloc(threads > 0 ? threads : 1, sizeof *ids);
-    if (ids == NULL)
+    if (ids == NULL) {
         return brdffit_cli_no_memory();
+    }
     brdffit_cli_progress_start(&progress, total, p->map->settings->quiet);
     progress.unit = "texels";
     const size_t started = start(p, ids, threads);
     watch(p, &progress);
-    for (size_t i = 0; i < started; i++)
+    for (size_t i = 0; i < started; i++) {
         (void)pthread_join(ids[i], NULL);
+    }
     free(ids);
     if (started == 0 && threads > 0) {
         fprintf(stderr, "brdffit: no thread can be started\n");
@@ -152,14 +159,15 @@ static int run(pool *p, size_t threads, size_t *texels)
     return p->code != 0 ? p->code : brdffit_cli_interrupted() ? -1 : 0;
 }
 
-int brdffit_cli_map_run(cli_map *map, size_t threads, double *seconds, size_t *texels)
+int brdffit_cli_map_run(struct cli_map *map, size_t threads, double *seconds, size_t *texels)
 {
-    pool p;
+    struct pool p;
     memset(&p, 0, sizeof p);
     p.map = map;
     p.done = calloc(map->tiles, 1);
-    if (p.done == NULL)
+    if (p.done == NULL) {
         return brdffit_cli_no_memory();
+    }
     for (size_t tile = 0; tile < map->tiles; tile++) {
         const int others = tile % map->settings->shard_count != map->settings->shard_index;
         p.done[tile] = (unsigned char)(others || (map->resumed > 0 && brdffit_cli_map_has_tile(map, tile)));

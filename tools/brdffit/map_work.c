@@ -24,11 +24,11 @@
 #include "output.h"
 #include "slurp.h"
 
-typedef struct tile_header {
+struct tile_header {
     char magic[8];
     uint64_t key, tile, texels, depth;
-    cli_map_counts counts;
-} tile_header;
+    struct cli_map_counts counts;
+};
 
 static const char tile_magic[8] = "BRDFTIL1";
 
@@ -38,17 +38,18 @@ static int complain(const char *path, const char *what)
     return CLI_EXIT_FAILURE;
 }
 
-char *brdffit_cli_map_path(const cli_map *map, const char *name)
+char *brdffit_cli_map_path(const struct cli_map *map, const char *name)
 {
     char *path = malloc(strlen(map->work) + strlen(name) + 2);
-    if (path != NULL)
+    if (path != NULL) {
         (void)sprintf(path, "%s/%s", map->work, name);
+    }
     return path;
 }
 
 /* ---- The manifest ------------------------------------------------------ */
 
-static void write_manifest(const cli_map *map, cli_text *text)
+static void write_manifest(const struct cli_map *map, struct cli_text *text)
 {
     brdffit_cli_text_printf(text, "brdffit map 1, version %s\n", brdffit_version());
     brdffit_cli_text_puts(text, brdffit_cli_text_string(&map->identity));
@@ -61,10 +62,11 @@ static void write_manifest(const cli_map *map, cli_text *text)
 }
 
 /* The first line in which the two differ. */
-static int refuse(const cli_map *map, const char *before, const char *now)
+static int refuse(const struct cli_map *map, const char *before, const char *now)
 {
     size_t b = 0, n = 0;
-    while ((b = strcspn(before, "\n")) == (n = strcspn(now, "\n")) && memcmp(before, now, b) == 0 && before[b] && now[n]) {
+    while ((b = strcspn(before, "\n")) == (n = strcspn(now, "\n")) && memcmp(before, now, b) == 0 && before[b] &&
+           now[n]) {
         before += b + 1;
         now += n + 1;
     }
@@ -75,11 +77,12 @@ static int refuse(const cli_map *map, const char *before, const char *now)
     return CLI_EXIT_USAGE;
 }
 
-static int put_manifest(const char *path, const cli_text *text)
+static int put_manifest(const char *path, const struct cli_text *text)
 {
-    cli_output output;
-    if (brdffit_cli_output_open(&output, path) != 0)
+    struct cli_output output;
+    if (brdffit_cli_output_open(&output, path) != 0) {
         return CLI_EXIT_FAILURE;
+    }
     if (brdffit_cli_output_write(&output, text) != 0) {
         brdffit_cli_output_abandon(&output);
         return CLI_EXIT_FAILURE;
@@ -87,21 +90,22 @@ static int put_manifest(const char *path, const cli_text *text)
     return brdffit_cli_output_commit(&output) != 0 ? CLI_EXIT_FAILURE : 0;
 }
 
-static int check_manifest(cli_map *map)
+static int check_manifest(struct cli_map *map)
 {
     struct stat about;
-    cli_text now = {0}, before = {0};
+    struct cli_text now = {0}, before = {0};
     char *const path = brdffit_cli_map_path(map, "manifest");
     int code = 0;
     write_manifest(map, &now);
-    if (path == NULL || now.failed || map->identity.failed)
+    if (path == NULL || now.failed || map->identity.failed) {
         code = brdffit_cli_no_memory();
-    else if (stat(path, &about) != 0)
+    } else if (stat(path, &about) != 0) {
         code = put_manifest(path, &now);
-    else {
+    } else {
         code = brdffit_cli_slurp(&before, path);
-        if (code == 0 && strcmp(brdffit_cli_text_string(&before), now.data) != 0)
+        if (code == 0 && strcmp(brdffit_cli_text_string(&before), now.data) != 0) {
             code = refuse(map, brdffit_cli_text_string(&before), now.data);
+        }
     }
     map->key = brdffit_cli_text_hash(&now);
     free(path);
@@ -123,17 +127,20 @@ static int is_ours(const char *name)
 static void empty(const char *folder, int all)
 {
     DIR *const stream = opendir(folder);
-    if (stream == NULL)
+    if (stream == NULL) {
         return;
+    }
     const int descriptor = dirfd(stream);
-    for (const struct dirent *entry; (entry = readdir(stream)) != NULL;)
-        if (entry->d_name[0] != '\0' && (all ? strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0
-                                             : is_ours(entry->d_name)))
+    for (const struct dirent *entry; (entry = readdir(stream)) != NULL;) {
+        if (entry->d_name[0] != '\0' &&
+            (all ? strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0 : is_ours(entry->d_name))) {
             (void)unlinkat(descriptor, entry->d_name, 0);
+        }
+    }
     (void)closedir(stream);
 }
 
-static void clear(const cli_map *map)
+static void clear(const struct cli_map *map)
 {
     char *const out = brdffit_cli_map_path(map, "out");
     if (out != NULL) {
@@ -144,12 +151,13 @@ static void clear(const cli_map *map)
     empty(map->work, 0);
 }
 
-static int take_lock(cli_map *map)
+static int take_lock(struct cli_map *map)
 {
     char *const path = brdffit_cli_map_path(map, "lock");
     struct flock lock;
-    if (path == NULL)
+    if (path == NULL) {
         return brdffit_cli_no_memory();
+    }
     memset(&lock, 0, sizeof lock);
     lock.l_type = map->settings->shard != NULL ? F_RDLCK : F_WRLCK; /* parts may work side by side */
     lock.l_whence = SEEK_SET;
@@ -163,68 +171,78 @@ static int take_lock(cli_map *map)
     return code;
 }
 
-static int name_work(cli_map *map, const char *target)
+static int name_work(struct cli_map *map, const char *target)
 {
     static const char suffix[] = ".brdffit-work";
     map->work = malloc(strlen(target) + sizeof suffix);
-    if (map->work == NULL)
+    if (map->work == NULL) {
         return brdffit_cli_no_memory();
+    }
     (void)sprintf(map->work, "%s%s", target, suffix);
     return 0;
 }
 
-int brdffit_cli_map_reopen(cli_map *map, const char *target)
+int brdffit_cli_map_reopen(struct cli_map *map, const char *target)
 {
     struct stat about;
     const int code = name_work(map, target);
-    if (code != 0)
+    if (code != 0) {
         return code;
+    }
     if (stat(map->work, &about) != 0 || !S_ISDIR(about.st_mode)) {
-        fprintf(stderr, "brdffit merge: there is no %s: no part of 'brdffit map --shard' was done, or the maps are "
-                        "together already\n", map->work);
+        fprintf(stderr,
+                "brdffit merge: there is no %s: no part of 'brdffit map --shard' was done, or the maps are "
+                "together already\n",
+                map->work);
         return CLI_EXIT_FAILURE;
     }
     return take_lock(map);
 }
 
-int brdffit_cli_map_begin(cli_map *map, const char *target)
+int brdffit_cli_map_begin(struct cli_map *map, const char *target)
 {
     int code = name_work(map, target);
-    if (code != 0)
+    if (code != 0) {
         return code;
-    if (mkdir(map->work, 0777) != 0 && errno != EEXIST)
+    }
+    if (mkdir(map->work, 0777) != 0 && errno != EEXIST) {
         return complain(map->work, "cannot create the work folder");
+    }
     code = take_lock(map);
-    if (code != 0)
+    if (code != 0) {
         return code;
-    if (map->settings->fresh)
+    }
+    if (map->settings->fresh) {
         clear(map);
+    }
     code = check_manifest(map);
-    for (size_t tile = 0; code == 0 && tile < map->tiles; tile++)
+    for (size_t tile = 0; code == 0 && tile < map->tiles; tile++) {
         map->resumed += (size_t)brdffit_cli_map_has_tile(map, tile);
+    }
     return code;
 }
 
-void brdffit_cli_map_forget(cli_map *map)
+void brdffit_cli_map_forget(struct cli_map *map)
 {
     char *const path = brdffit_cli_map_path(map, "lock");
     clear(map);
-    if (path != NULL)
+    if (path != NULL) {
         (void)unlink(path);
+    }
     free(path);
     (void)rmdir(map->work);
 }
 
 /* ---- Tiles ------------------------------------------------------------- */
 
-static char *tile_path(const cli_map *map, const char *format, size_t tile)
+static char *tile_path(const struct cli_map *map, const char *format, size_t tile)
 {
     char name[64];
     (void)snprintf(name, sizeof name, format, tile);
     return brdffit_cli_map_path(map, name);
 }
 
-static void describe_tile(const cli_map *map, size_t tile, tile_header *header)
+static void describe_tile(const struct cli_map *map, size_t tile, struct tile_header *header)
 {
     memset(header, 0, sizeof *header);
     memcpy(header->magic, tile_magic, sizeof header->magic);
@@ -242,24 +260,26 @@ static int put(FILE *file, const void *data, size_t size, unsigned long *crc)
 
 static int get(FILE *file, void *data, size_t size, unsigned long *crc)
 {
-    if (fread(data, 1, size, file) != size)
+    if (fread(data, 1, size, file) != size) {
         return -1;
+    }
     *crc = brdffit_io_crc32(*crc, data, size);
     return 0;
 }
 
-int brdffit_cli_map_keep_tile(const cli_map *map, size_t tile, const cli_map_counts *counts, const double *values,
-                              const unsigned char *status)
+int brdffit_cli_map_keep_tile(const struct cli_map *map, size_t tile, const struct cli_map_counts *counts,
+                              const double *values, const unsigned char *status)
 {
-    tile_header header;
+    struct tile_header header;
     unsigned long crc = 0;
     char *const temporary = tile_path(map, ".tile-%zu", tile), *const path = tile_path(map, "tile-%zu", tile);
     int code = temporary == NULL || path == NULL ? brdffit_cli_no_memory() : 0;
     FILE *const file = code == 0 ? fopen(temporary, "wb") : NULL;
     describe_tile(map, tile, &header);
     header.counts = *counts;
-    if (code == 0 && file == NULL)
+    if (code == 0 && file == NULL) {
         code = complain(temporary, "cannot write");
+    }
     if (code == 0) {
         int failed = put(file, &header, sizeof header, &crc) ||
                      put(file, values, header.texels * header.depth * sizeof *values, &crc) ||
@@ -276,41 +296,45 @@ int brdffit_cli_map_keep_tile(const cli_map *map, size_t tile, const cli_map_cou
     return code;
 }
 
-int brdffit_cli_map_load_tile(const cli_map *map, size_t tile, cli_map_counts *counts, double *values,
+int brdffit_cli_map_load_tile(const struct cli_map *map, size_t tile, struct cli_map_counts *counts, double *values,
                               unsigned char *status)
 {
-    tile_header header, wanted;
+    struct tile_header header, wanted;
     unsigned long crc = 0;
     uint64_t sum = 0;
     char *const path = tile_path(map, "tile-%zu", tile);
     FILE *const file = path != NULL ? fopen(path, "rb") : NULL;
     free(path);
-    if (file == NULL)
+    if (file == NULL) {
         return -1;
+    }
     describe_tile(map, tile, &wanted);
     const size_t doubles = wanted.texels * wanted.depth * sizeof *values;
     const int failed = get(file, &header, sizeof header, &crc) ||
-                       memcmp(&header, &wanted, offsetof(tile_header, counts)) != 0 ||
+                       memcmp(&header, &wanted, offsetof(struct tile_header, counts)) != 0 ||
                        get(file, values, doubles, &crc) || get(file, status, wanted.texels, &crc) ||
                        fread(&sum, sizeof sum, 1, file) != 1 || sum != crc || fgetc(file) != EOF;
     (void)fclose(file);
-    if (!failed && counts != NULL)
+    if (!failed && counts != NULL) {
         *counts = header.counts;
+    }
     return failed ? -1 : 0;
 }
 
-int brdffit_cli_map_has_tile(const cli_map *map, size_t tile)
+int brdffit_cli_map_has_tile(const struct cli_map *map, size_t tile)
 {
     struct stat about;
     const size_t texels = brdffit_cli_map_rows(map, tile) * map->width;
     char *const path = tile_path(map, "tile-%zu", tile);
     const int there = path != NULL && stat(path, &about) == 0;
     free(path);
-    if (!there)
+    if (!there) {
         return 0;
+    }
     double *const values = malloc(texels * brdffit_cli_map_depth(map) * sizeof *values);
     unsigned char *const status = malloc(texels);
-    const int good = values != NULL && status != NULL && brdffit_cli_map_load_tile(map, tile, NULL, values, status) == 0;
+    const int good = values != NULL && status != NULL &&
+                     brdffit_cli_map_load_tile(map, tile, NULL, values, status) == 0;
     free(values);
     free(status);
     return good;

@@ -8,10 +8,10 @@
 /* merge_fit.c: the lines of `fit --json --shard` in the files of `settings`,
  * as one run would have written them. Returns the exit code of that run, or
  * that of a failure; then the reason is on stderr and nothing was written. */
-int brdffit_cli_merge_fits(const cli_settings *settings);
+int brdffit_cli_merge_fits(const struct cli_settings *settings);
 
 /* merge_map.c: the maps of `target` from what the parts left in its work
  * folder. The exit code, as above. */
-int brdffit_cli_merge_map(cli_settings *settings, const char *target);
+int brdffit_cli_merge_map(struct cli_settings *settings, const char *target);
 
 #endif

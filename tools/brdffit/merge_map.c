@@ -18,25 +18,28 @@
 /* What follows "\nKEY " in the manifest; NULL when nothing does. */
 static const char *after(const char *manifest, const char *key)
 {
-    for (const char *at = manifest; (at = strstr(at, key)) != NULL; at++)
-        if (at > manifest && at[-1] == '\n' && at[strlen(key)] == ' ')
+    for (const char *at = manifest; (at = strstr(at, key)) != NULL; at++) {
+        if (at > manifest && at[-1] == '\n' && at[strlen(key)] == ' ') {
             return at + strlen(key) + 1;
+        }
+    }
     return NULL;
 }
 
-static int choice(const char *manifest, const char *key, const cli_choice *choices, int *value)
+static int choice(const char *manifest, const char *key, const struct cli_choice *choices, int *value)
 {
     const char *const word = after(manifest, key);
-    for (; word != NULL && choices->name != NULL; choices++)
+    for (; word != NULL && choices->name != NULL; choices++) {
         if (strlen(choices->name) == strcspn(word, "\n") && strncmp(choices->name, word, strlen(choices->name)) == 0) {
             *value = choices->value;
             return 1;
         }
+    }
     return 0;
 }
 
 /* Shapes that memory could never hold are no shapes of a run. */
-static int sound(const cli_map *map)
+static int sound(const struct cli_map *map)
 {
     const double texels = (double)map->tile_rows * (double)map->width;
     return map->samples > 0 && map->height > 0 && map->width > 0 && map->channels > 0 && map->tile_rows > 0 &&
@@ -50,7 +53,7 @@ static int number(const char *manifest, const char *key, double *value)
 }
 
 /* What brdffit_cli_record_options wrote, as far as map.json tells it. */
-static int parse_options(cli_settings *s, const char *options)
+static int parse_options(struct cli_settings *s, const char *options)
 {
     const char *const budget = after(options, "--box-budget");
     return sscanf(options, "%d", &s->lobes) == 1 && (s->lobes == 1 || s->lobes == 2) &&
@@ -65,17 +68,18 @@ static int parse_options(cli_settings *s, const char *options)
 }
 
 /* 1 when all is found. The name of the stack ends the manifest, whatever characters it has. */
-static int parse(cli_map *map, cli_settings *settings, char *manifest, size_t size)
+static int parse(struct cli_map *map, struct cli_settings *settings, char *manifest, size_t size)
 {
     const char *const shape = after(manifest, "maps of"), *const options = after(manifest, "--lobes");
     const char *const tile = options != NULL ? after(options, "--tile") : NULL;
     int quantity = 0, start = 0;
     if (shape == NULL || options == NULL || tile == NULL || size == 0 || manifest[size - 1] != '\n' ||
         !parse_options(settings, options) || sscanf(tile, "%zu", &map->tile_rows) != 1 ||
-        sscanf(shape, "%zu x %zu x %zu x %zu: %n", &map->samples, &map->height, &map->width, &map->channels,
-               &start) != 4 || start == 0 ||
-        !choice(options, "--values", brdffit_cli_quantity_choices, &quantity) || !sound(map))
+        sscanf(shape, "%zu x %zu x %zu x %zu: %n", &map->samples, &map->height, &map->width, &map->channels, &start) !=
+            4 ||
+        start == 0 || !choice(options, "--values", brdffit_cli_quantity_choices, &quantity) || !sound(map)) {
         return 0;
+    }
     manifest[size - 1] = '\0';
     settings->files[0] = shape + start;
     map->geometry.quantity = (brdffit_quantity)quantity;
@@ -90,23 +94,26 @@ static int check_version(const char *manifest, const char *work)
     if (length > strlen(start) && strncmp(manifest, start, strlen(start)) == 0) {
         const int wanted = (int)(length - strlen(start));
         if (strlen(brdffit_version()) == (size_t)wanted &&
-            strncmp(manifest + strlen(start), brdffit_version(), (size_t)wanted) == 0)
+            strncmp(manifest + strlen(start), brdffit_version(), (size_t)wanted) == 0) {
             return 0;
+        }
         fprintf(stderr, "brdffit merge: %s: its parts are of version %.*s, this is %s\n", work, wanted,
                 manifest + strlen(start), brdffit_version());
-    } else
+    } else {
         fprintf(stderr, "brdffit merge: %s: its manifest is not one of 'brdffit map'\n", work);
+    }
     return CLI_EXIT_DATA;
 }
 
 /* Into `text`, which the settings go on pointing into. */
-static int read_manifest(cli_map *map, cli_settings *settings, cli_text *text)
+static int read_manifest(struct cli_map *map, struct cli_settings *settings, struct cli_text *text)
 {
     char *const path = brdffit_cli_map_path(map, "manifest");
     int code = path == NULL ? brdffit_cli_no_memory() : brdffit_cli_slurp(text, path);
     free(path);
-    if (code == 0)
+    if (code == 0) {
         code = check_version(brdffit_cli_text_string(text), map->work);
+    }
     map->key = brdffit_cli_text_hash(text);
     if (code == 0 && !parse(map, settings, text->data, text->size)) {
         fprintf(stderr, "brdffit merge: %s: its manifest is damaged\n", map->work);
@@ -119,49 +126,59 @@ static int read_manifest(cli_map *map, cli_settings *settings, cli_text *text)
 
 #define TILES_SHOWN 12
 
-static int check_tiles(const cli_map *map)
+static int check_tiles(const struct cli_map *map)
 {
     size_t missing = 0;
-    for (size_t tile = 0; tile < map->tiles; tile++)
+    for (size_t tile = 0; tile < map->tiles; tile++) {
         missing += !brdffit_cli_map_has_tile(map, tile);
-    if (missing == 0)
+    }
+    if (missing == 0) {
         return 0;
+    }
     fprintf(stderr, "brdffit merge: %s: %zu of %zu tiles are missing or damaged:", map->work, missing, map->tiles);
     size_t shown = 0;
-    for (size_t tile = 0; tile < map->tiles && shown < TILES_SHOWN; tile++)
-        if (!brdffit_cli_map_has_tile(map, tile))
+    for (size_t tile = 0; tile < map->tiles && shown < TILES_SHOWN; tile++) {
+        if (!brdffit_cli_map_has_tile(map, tile)) {
             fprintf(stderr, "%s %zu", shown++ > 0 ? "," : "", tile + 1);
+        }
+    }
     fprintf(stderr, "%s\nOf N parts, number I has the tiles I, I + N, I + 2 N ...: run those again.\n",
             missing > shown ? ", ..." : "");
     return CLI_EXIT_DATA;
 }
 
-static int merge(cli_map *map, cli_settings *settings, const char *target, cli_text *manifest)
+static int merge(struct cli_map *map, struct cli_settings *settings, const char *target, struct cli_text *manifest)
 {
-    cli_map_counts counts;
+    struct cli_map_counts counts;
     int code = brdffit_cli_map_reopen(map, target);
-    if (code == 0)
+    if (code == 0) {
         code = read_manifest(map, settings, manifest);
+    }
     brdffit_cli_fit_options(settings, &map->options);
-    if (code == 0)
+    if (code == 0) {
         code = brdffit_cli_map_check_target(settings, target);
-    if (code == 0)
+    }
+    if (code == 0) {
         code = check_tiles(map);
-    if (code != 0)
+    }
+    if (code != 0) {
         return code;
+    }
     code = brdffit_cli_map_write(map, target, &counts);
-    if (code != 0)
+    if (code != 0) {
         return code;
+    }
     brdffit_cli_map_forget(map);
-    if (!settings->quiet)
+    if (!settings->quiet) {
         brdffit_cli_map_report(map, target, &counts, 0, 0, 0);
+    }
     return brdffit_cli_map_finish(map, &counts);
 }
 
-int brdffit_cli_merge_map(cli_settings *settings, const char *target)
+int brdffit_cli_merge_map(struct cli_settings *settings, const char *target)
 {
-    cli_map map;
-    cli_text manifest = {0};
+    struct cli_map map;
+    struct cli_text manifest = {0};
     memset(&map, 0, sizeof map);
     map.settings = settings;
     const int code = merge(&map, settings, target, &manifest);

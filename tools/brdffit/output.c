@@ -14,8 +14,9 @@
 
 static int complain(const char *path, const char *what, int error)
 {
-    if (error != EPIPE)
+    if (error != EPIPE) {
         fprintf(stderr, "brdffit: %s: %s: %s\n", path, what, strerror(error));
+    }
     return -1;
 }
 
@@ -33,24 +34,26 @@ static int open_beside(const char *target, mode_t mode, char **temporary)
     const size_t folder = slash == NULL ? 0 : (size_t)(slash - target) + 1;
     const size_t size = folder + 64;
     *temporary = malloc(size);
-    if (*temporary == NULL)
+    if (*temporary == NULL) {
         return -1;
+    }
     for (unsigned attempt = 0; attempt < 1000; attempt++) {
-        (void)snprintf(*temporary, size, "%.*s.brdffit-%ld-%u.tmp", (int)folder, target,
-                       (long)getpid(), attempt);
+        (void)snprintf(*temporary, size, "%.*s.brdffit-%ld-%u.tmp", (int)folder, target, (long)getpid(), attempt);
         const int descriptor = open(*temporary, O_WRONLY | O_CREAT | O_EXCL, mode);
-        if (descriptor >= 0 || errno != EEXIST)
+        if (descriptor >= 0 || errno != EEXIST) {
             return descriptor;
+        }
     }
     return -1;
 }
 
 /* A target that exists keeps its permissions. */
-static int open_temporary(cli_output *output, const char *path, const struct stat *existing)
+static int open_temporary(struct cli_output *output, const char *path, const struct stat *existing)
 {
     output->target = resolve(path);
-    if (output->target == NULL)
+    if (output->target == NULL) {
         return complain(path, "cannot write", errno);
+    }
     const int descriptor = open_beside(output->target, 0666, &output->temporary);
     if (descriptor < 0) {
         const int error = errno;
@@ -60,8 +63,9 @@ static int open_temporary(cli_output *output, const char *path, const struct sta
         return complain(path, "cannot create a file beside it", error);
     }
     brdffit_cli_remove_on_signal(output->temporary);
-    if (existing != NULL)
+    if (existing != NULL) {
         (void)fchmod(descriptor, existing->st_mode & 07777);
+    }
     output->file = fdopen(descriptor, "w");
     if (output->file == NULL) {
         const int error = errno;
@@ -72,39 +76,46 @@ static int open_temporary(cli_output *output, const char *path, const struct sta
     return 0;
 }
 
-int brdffit_cli_output_open(cli_output *output, const char *path)
+int brdffit_cli_output_open(struct cli_output *output, const char *path)
 {
     memset(output, 0, sizeof *output);
     output->file = stdout;
     output->shown = "standard output";
-    if (path == NULL || strcmp(path, "-") == 0)
+    if (path == NULL || strcmp(path, "-") == 0) {
         return 0;
+    }
     output->shown = path;
     struct stat existing;
     const int exists = stat(path, &existing) == 0;
-    if (!exists || S_ISREG(existing.st_mode))
+    if (!exists || S_ISREG(existing.st_mode)) {
         return open_temporary(output, path, exists ? &existing : NULL);
-    if (S_ISDIR(existing.st_mode))
+    }
+    if (S_ISDIR(existing.st_mode)) {
         return complain(path, "cannot write", EISDIR);
+    }
     output->file = fopen(path, "w");
     return output->file == NULL ? complain(path, "cannot write", errno) : 0;
 }
 
-int brdffit_cli_output_add(cli_output *output, const cli_text *text)
+int brdffit_cli_output_add(struct cli_output *output, const struct cli_text *text)
 {
-    if (text->failed)
+    if (text->failed) {
         return complain(output->shown, "cannot write", ENOMEM);
-    if (text->size == 0)
+    }
+    if (text->size == 0) {
         return 0;
-    if (fwrite(text->data, 1, text->size, output->file) != text->size)
+    }
+    if (fwrite(text->data, 1, text->size, output->file) != text->size) {
         return complain(output->shown, "cannot write", errno);
+    }
     return 0;
 }
 
-int brdffit_cli_output_write(cli_output *output, const cli_text *text)
+int brdffit_cli_output_write(struct cli_output *output, const struct cli_text *text)
 {
-    if (brdffit_cli_output_add(output, text) != 0)
+    if (brdffit_cli_output_add(output, text) != 0) {
         return -1;
+    }
     return fflush(output->file) == 0 ? 0 : complain(output->shown, "cannot write", errno);
 }
 
@@ -122,13 +133,15 @@ static void sync_folder(const char *target)
     free(folder);
 }
 
-int brdffit_cli_output_commit(cli_output *output)
+int brdffit_cli_output_commit(struct cli_output *output)
 {
-    if (output->file == stdout || output->file == NULL)
+    if (output->file == stdout || output->file == NULL) {
         return 0;
+    }
     int failed = fflush(output->file) != 0;
-    if (!failed && output->temporary != NULL)
+    if (!failed && output->temporary != NULL) {
         failed = fsync(fileno(output->file)) != 0;
+    }
     int error = errno;
     if (fclose(output->file) != 0 && !failed) {
         failed = 1;
@@ -150,10 +163,11 @@ int brdffit_cli_output_commit(cli_output *output)
     return failed ? complain(shown, "cannot write", error) : 0;
 }
 
-void brdffit_cli_output_abandon(cli_output *output)
+void brdffit_cli_output_abandon(struct cli_output *output)
 {
-    if (output->file != NULL && output->file != stdout)
+    if (output->file != NULL && output->file != stdout) {
         (void)fclose(output->file);
+    }
     if (output->temporary != NULL) {
         brdffit_cli_remove_on_signal(NULL);
         (void)unlink(output->temporary);
@@ -167,7 +181,8 @@ int brdffit_cli_close_stdout(void)
 {
     int failed = ferror(stdout) != 0;
     errno = 0;
-    if (fclose(stdout) != 0)
+    if (fclose(stdout) != 0) {
         failed = failed ? 1 : complain("standard output", "cannot write", errno) != 0;
+    }
     return failed ? -1 : 0;
 }

@@ -8,30 +8,30 @@
 
 #include "text.h"
 
-typedef struct cli_output {
+struct cli_output {
     FILE *file;
     char *target;    /* resolved path to rename to; NULL: nothing to rename */
     char *temporary; /* NULL once renamed or removed */
     const char *shown; /* the name for messages */
-} cli_output;
+};
 
 /* `path` NULL or "-": standard output. A target that exists and is no
  * regular file (a pipe, a device) is written directly. 0 on success,
  * otherwise the reason is on stderr. */
-int brdffit_cli_output_open(cli_output *output, const char *path);
+int brdffit_cli_output_open(struct cli_output *output, const char *path);
 
 /* Write and flush. 0 on success; otherwise the reason is on stderr, save for
  * a reader that went away (EPIPE), which is no news to anybody. */
-int brdffit_cli_output_write(cli_output *output, const cli_text *text);
+int brdffit_cli_output_write(struct cli_output *output, const struct cli_text *text);
 
 /* The same without flushing, for long tables. */
-int brdffit_cli_output_add(cli_output *output, const cli_text *text);
+int brdffit_cli_output_add(struct cli_output *output, const struct cli_text *text);
 
 /* Finish: sync and rename. 0 on success. */
-int brdffit_cli_output_commit(cli_output *output);
+int brdffit_cli_output_commit(struct cli_output *output);
 
 /* Give up: the target stays as it was. */
-void brdffit_cli_output_abandon(cli_output *output);
+void brdffit_cli_output_abandon(struct cli_output *output);
 
 /* Flush and close standard output; 0 when all of it arrived. */
 int brdffit_cli_close_stdout(void);

@@ -10,13 +10,13 @@
 #include "settings.h"
 #include "suggest.h"
 
-typedef struct parser {
+struct parser {
     unsigned command;
     const char *command_name;
-    cli_settings *settings;
-} parser;
+    struct cli_settings *settings;
+};
 
-static cli_parse usage(const parser *p)
+static enum cli_parse usage(const struct parser *p)
 {
     fprintf(stderr, "Try 'brdffit %s --help'.\n", p->command_name);
     return CLI_PARSE_FAILED;
@@ -25,86 +25,95 @@ static cli_parse usage(const parser *p)
 int brdffit_cli_number(const char *text, double *value)
 {
     /* strtod alone would take hexadecimal, "inf", "nan" and leading blanks. */
-    if (*text == '\0' || text[strspn(text, "+-.0123456789eE")] != '\0')
+    if (*text == '\0' || text[strspn(text, "+-.0123456789eE")] != '\0') {
         return 0;
+    }
     char *end;
     const double number = strtod(text, &end);
-    if (end == text || *end != '\0' || !(number >= -1e308 && number <= 1e308))
+    if (end == text || *end != '\0' || !(number >= -1e308 && number <= 1e308)) {
         return 0;
+    }
     *value = number;
     return 1;
 }
 
 /* ---- Names ------------------------------------------------------------- */
 
-static cli_parse unknown_option(const parser *p, const char *shown, const char *name)
+static enum cli_parse unknown_option(const struct parser *p, const char *shown, const char *name)
 {
-    for (const cli_option *o = brdffit_cli_options; o->name != NULL; o++)
+    for (const struct cli_option *o = brdffit_cli_options; o->name != NULL; o++) {
         if (!o->hidden && strcmp(o->name, name) == 0) {
-            fprintf(stderr, "brdffit %s: --%s does not apply to '%s'\n", p->command_name, name,
-                    p->command_name);
+            fprintf(stderr, "brdffit %s: --%s does not apply to '%s'\n", p->command_name, name, p->command_name);
             return usage(p);
         }
-    cli_suggestion near = {0};
-    for (const cli_option *o = brdffit_cli_options; o->name != NULL; o++)
-        if (!o->hidden && (o->commands & p->command))
+    }
+    struct cli_suggestion near = {0};
+    for (const struct cli_option *o = brdffit_cli_options; o->name != NULL; o++) {
+        if (!o->hidden && (o->commands & p->command)) {
             brdffit_cli_suggest(&near, name, o->name);
+        }
+    }
     fprintf(stderr, "brdffit %s: unknown option '%s'", p->command_name, shown);
-    if (near.word != NULL)
+    if (near.word != NULL) {
         fprintf(stderr, "; did you mean '--%s'?", near.word);
+    }
     fputc('\n', stderr);
     return usage(p);
 }
 
-static const cli_option *find_long(const parser *p, const char *name, size_t length)
+static const struct cli_option *find_long(const struct parser *p, const char *name, size_t length)
 {
-    for (const cli_option *o = brdffit_cli_options; o->name != NULL; o++)
-        if ((o->commands & p->command) && strlen(o->name) == length &&
-            strncmp(o->name, name, length) == 0)
+    for (const struct cli_option *o = brdffit_cli_options; o->name != NULL; o++) {
+        if ((o->commands & p->command) && strlen(o->name) == length && strncmp(o->name, name, length) == 0) {
             return o;
+        }
+    }
     return NULL;
 }
 
-static const cli_option *find_short(const parser *p, char letter)
+static const struct cli_option *find_short(const struct parser *p, char letter)
 {
-    for (const cli_option *o = brdffit_cli_options; o->name != NULL; o++)
-        if ((o->commands & p->command) && o->letter != 0 && o->letter == letter)
+    for (const struct cli_option *o = brdffit_cli_options; o->name != NULL; o++) {
+        if ((o->commands & p->command) && o->letter != 0 && o->letter == letter) {
             return o;
+        }
+    }
     return NULL;
 }
 
 /* ---- Values ------------------------------------------------------------ */
 
-static cli_parse bad_choice(const parser *p, const cli_option *o, const char *text)
+static enum cli_parse bad_choice(const struct parser *p, const struct cli_option *o, const char *text)
 {
-    fprintf(stderr, "brdffit %s: --%s does not take '%s'; valid values:", p->command_name, o->name,
-            text);
-    cli_suggestion near = {0};
+    fprintf(stderr, "brdffit %s: --%s does not take '%s'; valid values:", p->command_name, o->name, text);
+    struct cli_suggestion near = {0};
     const char *separator = " ";
-    for (const cli_choice *c = o->choices; c->name != NULL; c++) {
+    for (const struct cli_choice *c = o->choices; c->name != NULL; c++) {
         brdffit_cli_suggest(&near, text, c->name);
-        if (c->hidden)
+        if (c->hidden) {
             continue;
+        }
         fprintf(stderr, "%s%s", separator, c->name);
         separator = ", ";
     }
-    if (near.word != NULL)
+    if (near.word != NULL) {
         fprintf(stderr, "; did you mean '%s'?", near.word);
+    }
     fputc('\n', stderr);
     return usage(p);
 }
 
-static cli_parse bad_number(const parser *p, const cli_option *o, const char *text)
+static enum cli_parse bad_number(const struct parser *p, const struct cli_option *o, const char *text)
 {
-    fprintf(stderr, "brdffit %s: --%s does not take '%s'; valid values: ", p->command_name, o->name,
-            text);
-    if (o->kind == CLI_COUNT)
+    fprintf(stderr, "brdffit %s: --%s does not take '%s'; valid values: ", p->command_name, o->name, text);
+    if (o->kind == CLI_COUNT) {
         fputs("whole numbers from 1", stderr);
-    else if (o->high >= 1e300)
+    } else if (o->high >= 1e300) {
         fprintf(stderr, "numbers %s %g", o->low_open ? "above" : "from", o->low);
-    else
-        fprintf(stderr, "numbers %s %g %s %g", o->low_open ? "above" : "from", o->low,
-                o->low_open ? "up to" : "to", o->high);
+    } else {
+        fprintf(stderr, "numbers %s %g %s %g", o->low_open ? "above" : "from", o->low, o->low_open ? "up to" : "to",
+                o->high);
+    }
     fprintf(stderr, "%s\n", o->kind == CLI_DEGREES ? ", or off" : "");
     return usage(p);
 }
@@ -112,13 +121,14 @@ static cli_parse bad_number(const parser *p, const cli_option *o, const char *te
 static int whole_number(const char *text, size_t *value)
 {
     double number;
-    if (!brdffit_cli_number(text, &number) || !(number >= 1 && number <= 9e15))
+    if (!brdffit_cli_number(text, &number) || !(number >= 1 && number <= 9e15)) {
         return 0;
+    }
     *value = (size_t)number;
     return (double)*value == number;
 }
 
-static cli_parse set_value(const parser *p, const cli_option *o, const char *text)
+static enum cli_parse set_value(const struct parser *p, const struct cli_option *o, const char *text)
 {
     char *const member = (char *)p->settings + o->offset;
     double number;
@@ -127,21 +137,22 @@ static cli_parse set_value(const parser *p, const cli_option *o, const char *tex
     case CLI_FLAG: *(int *)(void *)member = 1; return CLI_PARSED;
     case CLI_STRING: *(const char **)(void *)member = text; return CLI_PARSED;
     case CLI_CHOICE:
-        for (const cli_choice *c = o->choices; c->name != NULL; c++)
+        for (const struct cli_choice *c = o->choices; c->name != NULL; c++) {
             if (strcmp(c->name, text) == 0) {
                 *(int *)(void *)member = c->value;
                 return CLI_PARSED;
             }
+        }
         return bad_choice(p, o, text);
-    case CLI_COUNT:
-        return whole_number(text, (size_t *)(void *)member) ? CLI_PARSED : bad_number(p, o, text);
+    case CLI_COUNT: return whole_number(text, (size_t *)(void *)member) ? CLI_PARSED : bad_number(p, o, text);
     case CLI_DEGREES:
     case CLI_NUMBER:
-        if (o->kind == CLI_DEGREES && strcmp(text, "off") == 0)
+        if (o->kind == CLI_DEGREES && strcmp(text, "off") == 0) {
             number = 90;
-        else if (!brdffit_cli_number(text, &number) || !(number >= o->low && number <= o->high) ||
-                 (o->low_open && !(number > o->low)))
+        } else if (!brdffit_cli_number(text, &number) || !(number >= o->low && number <= o->high) ||
+                   (o->low_open && !(number > o->low))) {
             return bad_number(p, o, text);
+        }
         *(double *)(void *)member = number;
         return CLI_PARSED;
     }
@@ -151,16 +162,17 @@ static cli_parse set_value(const parser *p, const cli_option *o, const char *tex
 /* ---- Arguments --------------------------------------------------------- */
 
 /* One option at argv[*at]; moves *at to the last argument that it took. */
-static cli_parse parse_option(const parser *p, int argc, char **argv, int *at)
+static enum cli_parse parse_option(const struct parser *p, int argc, char **argv, int *at)
 {
     const char *const given = argv[*at];
-    const cli_option *option;
+    const struct cli_option *option;
     const char *value = NULL;
     if (given[1] == '-') {
         const size_t length = strcspn(given + 2, "=");
         option = find_long(p, given + 2, length);
-        if (given[2 + length] == '=')
+        if (given[2 + length] == '=') {
             value = given + 3 + length;
+        }
         if (option == NULL) {
             char name[64] = "";
             memcpy(name, given + 2, length < sizeof name ? length : sizeof name - 1);
@@ -168,10 +180,12 @@ static cli_parse parse_option(const parser *p, int argc, char **argv, int *at)
         }
     } else {
         option = find_short(p, given[1]);
-        if (option == NULL)
+        if (option == NULL) {
             return unknown_option(p, given, given + 1);
-        if (given[2] != '\0')
+        }
+        if (given[2] != '\0') {
             value = given + 2 + (given[2] == '=');
+        }
     }
     const int takes_value = option->kind != CLI_FLAG && option->kind != CLI_HELP;
     if (!takes_value && value != NULL) {
@@ -180,8 +194,7 @@ static cli_parse parse_option(const parser *p, int argc, char **argv, int *at)
     }
     if (takes_value && value == NULL) {
         if (*at + 1 >= argc) {
-            fprintf(stderr, "brdffit %s: --%s needs a value: %s\n", p->command_name, option->name,
-                    option->value);
+            fprintf(stderr, "brdffit %s: --%s needs a value: %s\n", p->command_name, option->name, option->value);
             return usage(p);
         }
         value = argv[++*at];
@@ -189,7 +202,7 @@ static cli_parse parse_option(const parser *p, int argc, char **argv, int *at)
     return set_value(p, option, value);
 }
 
-static void set_defaults(cli_settings *settings)
+static void set_defaults(struct cli_settings *settings)
 {
     brdffit_options fit;
     brdffit_options_init(&fit);
@@ -216,64 +229,66 @@ static void set_defaults(cli_settings *settings)
 }
 
 /* Measurements are not to be lost to a slip of the keyboard. */
-static cli_parse check_output(const parser *p)
+static enum cli_parse check_output(const struct parser *p)
 {
-    const cli_settings *s = p->settings;
+    const struct cli_settings *s = p->settings;
     struct stat output, input;
-    if (s->output == NULL || stat(s->output, &output) != 0 || !S_ISREG(output.st_mode))
+    if (s->output == NULL || stat(s->output, &output) != 0 || !S_ISREG(output.st_mode)) {
         return CLI_PARSED;
-    for (size_t i = 0; i < s->file_count; i++)
-        if (stat(s->files[i], &input) == 0 && input.st_dev == output.st_dev &&
-            input.st_ino == output.st_ino) {
-            fprintf(stderr, "brdffit %s: --output %s would replace the input %s\n",
-                    p->command_name, s->output, s->files[i]);
+    }
+    for (size_t i = 0; i < s->file_count; i++) {
+        if (stat(s->files[i], &input) == 0 && input.st_dev == output.st_dev && input.st_ino == output.st_ino) {
+            fprintf(stderr, "brdffit %s: --output %s would replace the input %s\n", p->command_name, s->output,
+                    s->files[i]);
             return usage(p);
         }
+    }
     return CLI_PARSED;
 }
 
 /* The range of a parameter: in order, and left alone where the distribution has another one. */
-static cli_parse check_range(const parser *p, const char *name, double low, double high,
-                             double default_low, double default_high)
+static enum cli_parse check_range(const struct parser *p, const char *name, double low, double high, double default_low,
+                                  double default_high)
 {
     const brdffit_distribution distribution = (brdffit_distribution)p->settings->distribution;
     if (!(low <= high)) {
-        fprintf(stderr, "brdffit %s: --%s-min %g is above --%s-max %g\n", p->command_name, name,
-                low, name, high);
+        fprintf(stderr, "brdffit %s: --%s-min %g is above --%s-max %g\n", p->command_name, name, low, name, high);
         return CLI_PARSE_FAILED;
     }
     const char *parameter = brdffit_parameter_string(distribution);
-    if (strcmp(name, parameter) == 0 || (low == default_low && high == default_high))
+    if (strcmp(name, parameter) == 0 || (low == default_low && high == default_high)) {
         return CLI_PARSED;
-    fprintf(stderr, "brdffit %s: --distribution %s has no %s; its range is --%s-min to --%s-max\n",
-            p->command_name, brdffit_distribution_string(distribution), name, parameter, parameter);
+    }
+    fprintf(stderr, "brdffit %s: --distribution %s has no %s; its range is --%s-min to --%s-max\n", p->command_name,
+            brdffit_distribution_string(distribution), name, parameter, parameter);
     return CLI_PARSE_FAILED;
 }
 
-static cli_parse check_ranges(const parser *p)
+static enum cli_parse check_ranges(const struct parser *p)
 {
-    const cli_settings *s = p->settings;
+    const struct cli_settings *s = p->settings;
     brdffit_options fit;
     brdffit_options_init(&fit);
-    if (check_range(p, "sigma", s->sigma_min, s->sigma_max, fit.sigma_min, fit.sigma_max) !=
-        CLI_PARSED)
+    if (check_range(p, "sigma", s->sigma_min, s->sigma_max, fit.sigma_min, fit.sigma_max) != CLI_PARSED) {
         return CLI_PARSE_FAILED;
-    return check_range(p, "exponent", s->exponent_min, s->exponent_max, fit.exponent_min,
-                       fit.exponent_max);
+    }
+    return check_range(p, "exponent", s->exponent_min, s->exponent_max, fit.exponent_min, fit.exponent_max);
 }
 
 /* socp or socp=MARGIN, and only for what it can verify. */
-static cli_parse check_verify(const parser *p)
+static enum cli_parse check_verify(const struct parser *p)
 {
-    cli_settings *s = p->settings;
-    if (s->verify == NULL)
+    struct cli_settings *s = p->settings;
+    if (s->verify == NULL) {
         return CLI_PARSED;
+    }
     const int plain = strcmp(s->verify, "socp") == 0;
-    if (!plain && !(strncmp(s->verify, "socp=", 5) == 0 &&
-                    brdffit_cli_number(s->verify + 5, &s->verify_margin) &&
+    if (!plain && !(strncmp(s->verify, "socp=", 5) == 0 && brdffit_cli_number(s->verify + 5, &s->verify_margin) &&
                     s->verify_margin >= 0 && s->verify_margin < 1)) {
-        fprintf(stderr, "brdffit %s: --verify does not take '%s'; valid values: socp, or socp=X with X "
-                        "from 0 to below 1\n", p->command_name, s->verify);
+        fprintf(stderr,
+                "brdffit %s: --verify does not take '%s'; valid values: socp, or socp=X with X "
+                "from 0 to below 1\n",
+                p->command_name, s->verify);
         return usage(p);
     }
     if (s->norm != BRDFFIT_NORM_L2) {
@@ -287,20 +302,22 @@ static cli_parse check_verify(const parser *p)
 static int plain_count(const char *text, size_t length, size_t *value)
 {
     char digits[20];
-    if (length == 0 || length >= sizeof digits)
+    if (length == 0 || length >= sizeof digits) {
         return 0;
+    }
     memcpy(digits, text, length);
     digits[length] = '\0';
     return digits[strspn(digits, "0123456789")] == '\0' && whole_number(digits, value);
 }
 
 /* I/N with 1 <= I <= N; without it, all is part 1 of 1. */
-static cli_parse check_shard(const parser *p)
+static enum cli_parse check_shard(const struct parser *p)
 {
-    cli_settings *s = p->settings;
+    struct cli_settings *s = p->settings;
     s->shard_count = 1;
-    if (s->shard == NULL)
+    if (s->shard == NULL) {
         return CLI_PARSED;
+    }
     const size_t slash = strcspn(s->shard, "/");
     if (s->shard[slash] == '\0' || !plain_count(s->shard, slash, &s->shard_index) ||
         !plain_count(s->shard + slash + 1, strlen(s->shard + slash + 1), &s->shard_count) ||
@@ -311,31 +328,35 @@ static cli_parse check_shard(const parser *p)
     }
     s->shard_index--;
     const char *not_with = s->fresh ? "does not go with --fresh: other parts may be at work" : NULL;
-    if (p->command == CLI_FIT && !s->json)
+    if (p->command == CLI_FIT && !s->json) {
         not_with = "needs --json: reports cannot be merged";
-    for (size_t i = 0; p->command == CLI_FIT && i < s->file_count; i++)
-        if (strcmp(s->files[i], "-") == 0)
+    }
+    for (size_t i = 0; p->command == CLI_FIT && i < s->file_count; i++) {
+        if (strcmp(s->files[i], "-") == 0) {
             not_with = "needs files with names: parts do not share standard input";
-    if (not_with == NULL)
+        }
+    }
+    if (not_with == NULL) {
         return CLI_PARSED;
+    }
     fprintf(stderr, "brdffit %s: --shard %s\n", p->command_name, not_with);
     return usage(p);
 }
 
 /* What no single option can see. */
-static cli_parse check_together(const parser *p)
+static enum cli_parse check_together(const struct parser *p)
 {
-    const cli_settings *s = p->settings;
+    const struct cli_settings *s = p->settings;
     size_t standard_inputs = 0;
-    for (size_t i = 0; i < s->file_count; i++)
+    for (size_t i = 0; i < s->file_count; i++) {
         standard_inputs += strcmp(s->files[i], "-") == 0;
+    }
     if (s->file_count == 0) {
         fprintf(stderr, "brdffit %s: no FILE given\n", p->command_name);
         return usage(p);
     }
     if (p->command == CLI_EVAL && s->file_count != 2) {
-        fprintf(stderr, "brdffit eval: needs two files, FIT.json and FILE, not %zu\n",
-                s->file_count);
+        fprintf(stderr, "brdffit eval: needs two files, FIT.json and FILE, not %zu\n", s->file_count);
         return usage(p);
     }
     if (p->command == CLI_MAP && (s->file_count != 1 || standard_inputs > 0)) {
@@ -343,27 +364,27 @@ static cli_parse check_together(const parser *p)
         return usage(p);
     }
     if (standard_inputs > 1) {
-        fprintf(stderr, "brdffit %s: standard input ('-') can be read only once\n",
-                p->command_name);
+        fprintf(stderr, "brdffit %s: standard input ('-') can be read only once\n", p->command_name);
         return usage(p);
     }
-    if (check_ranges(p) != CLI_PARSED)
+    if (check_ranges(p) != CLI_PARSED) {
         return usage(p);
+    }
     if (*s->merl_samples == '\0' || (s->output != NULL && *s->output == '\0')) {
-        fprintf(stderr, "brdffit %s: --merl-samples and --output need a file's name\n",
-                p->command_name);
+        fprintf(stderr, "brdffit %s: --merl-samples and --output need a file's name\n", p->command_name);
         return usage(p);
     }
-    if (check_shard(p) != CLI_PARSED)
+    if (check_shard(p) != CLI_PARSED) {
         return CLI_PARSE_FAILED;
-    const cli_parse verify = check_verify(p);
+    }
+    const enum cli_parse verify = check_verify(p);
     return verify == CLI_PARSED ? check_output(p) : verify;
 }
 
-cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int argc, char **argv,
-                            cli_settings *settings)
+enum cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int argc, char **argv,
+                                 struct cli_settings *settings)
 {
-    const parser p = {command, command_name, settings};
+    const struct parser p = {command, command_name, settings};
     set_defaults(settings);
     settings->files = calloc((size_t)argc + 1, sizeof *settings->files);
     if (settings->files == NULL) {
@@ -372,14 +393,15 @@ cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int argc
     }
     int options_ended = 0;
     for (int at = 1; at < argc; at++) {
-        if (options_ended || argv[at][0] != '-' || argv[at][1] == '\0')
+        if (options_ended || argv[at][0] != '-' || argv[at][1] == '\0') {
             settings->files[settings->file_count++] = argv[at];
-        else if (strcmp(argv[at], "--") == 0)
+        } else if (strcmp(argv[at], "--") == 0) {
             options_ended = 1;
-        else {
-            const cli_parse answer = parse_option(&p, argc, argv, &at);
-            if (answer != CLI_PARSED)
+        } else {
+            const enum cli_parse answer = parse_option(&p, argc, argv, &at);
+            if (answer != CLI_PARSED) {
                 return answer;
+            }
         }
     }
     return check_together(&p);

@@ -12,24 +12,26 @@
 #define NUMBER_WIDTH 12
 #define LONGEST_CHANNEL 16
 
-void brdffit_cli_cell(cli_text *text, cli_style style, const char *string, int width)
+void brdffit_cli_cell(struct cli_text *text, struct cli_style style, const char *string, int width)
 {
     const size_t wanted = (size_t)(width < 0 ? -width : width);
     const size_t taken = brdffit_cli_width(style, string);
     const size_t pad = taken < wanted ? wanted - taken : 0;
-    if (width > 0)
+    if (width > 0) {
         brdffit_cli_text_pad(text, pad);
+    }
     brdffit_cli_text_puts(text, string);
-    if (width < 0)
+    if (width < 0) {
         brdffit_cli_text_pad(text, pad);
+    }
 }
 
-void brdffit_cli_number_cell(cli_text *text, double value, int digits, int width)
+void brdffit_cli_number_cell(struct cli_text *text, double value, int digits, int width)
 {
     brdffit_cli_text_printf(text, "%*.*g", width, digits, value);
 }
 
-int brdffit_cli_channel_width(cli_style style, const brdffit_table *table)
+int brdffit_cli_channel_width(struct cli_style style, const brdffit_table *table)
 {
     size_t width = strlen("channel");
     for (size_t k = 0; k < table->samples.channels; k++) {
@@ -39,10 +41,10 @@ int brdffit_cli_channel_width(cli_style style, const brdffit_table *table)
     return (int)(width > LONGEST_CHANNEL ? LONGEST_CHANNEL : width);
 }
 
-void brdffit_cli_channel_cell(cli_text *text, cli_style style, const brdffit_table *table,
-                              size_t channel, int width)
+void brdffit_cli_channel_cell(struct cli_text *text, struct cli_style style, const brdffit_table *table, size_t channel,
+                              int width)
 {
-    cli_text name = {0};
+    struct cli_text name = {0};
     brdffit_cli_name(&name, style, table->channel_names[channel]);
     size_t keep = 0, columns = 0;
     const char *string = brdffit_cli_text_string(&name);
@@ -57,10 +59,10 @@ void brdffit_cli_channel_cell(cli_text *text, cli_style style, const brdffit_tab
     brdffit_cli_text_free(&name);
 }
 
-void brdffit_cli_report_title(cli_text *text, cli_style style, const cli_job *job, size_t used,
+void brdffit_cli_report_title(struct cli_text *text, struct cli_style style, const struct cli_job *job, size_t used,
                               const size_t *skipped, double max_incidence, const char *verb)
 {
-    cli_text title = {0}, reasons = {0};
+    struct cli_text title = {0}, reasons = {0};
     brdffit_cli_name(&title, style, strcmp(job->path, "-") == 0 ? "standard input" : job->path);
     brdffit_cli_ink(text, style, CLI_BOLD, brdffit_cli_text_string(&title));
     brdffit_cli_text_puts(text, ": ");
@@ -68,48 +70,50 @@ void brdffit_cli_report_title(cli_text *text, cli_style style, const cli_job *jo
     brdffit_cli_text_puts(text, " of ");
     brdffit_cli_grouped(text, brdffit_cli_entries(job->table));
     brdffit_cli_text_printf(text, " samples %s\n", verb);
-    if (brdffit_cli_skipped(&reasons, style, skipped, job->table, max_incidence) > 0)
+    if (brdffit_cli_skipped(&reasons, style, skipped, job->table, max_incidence) > 0) {
         brdffit_cli_paragraph(text, style, CLI_BOLD, "Skipped:", brdffit_cli_text_string(&reasons));
+    }
     text->failed |= title.failed | reasons.failed;
     brdffit_cli_text_free(&title);
     brdffit_cli_text_free(&reasons);
 }
 
-static void lobe_table(cli_text *text, cli_style style, const brdffit_result *result)
+static void lobe_table(struct cli_text *text, struct cli_style style, const brdffit_result *result)
 {
     const int by_exponent = brdffit_cli_by_exponent(result->model.distribution);
     brdffit_cli_text_puts(text, "\n  lobe");
-    brdffit_cli_cell(text, style, by_exponent ? "exponent n" : brdffit_cli_glyph(style, CLI_SIGMA),
-                     15);
+    brdffit_cli_cell(text, style, by_exponent ? "exponent n" : brdffit_cli_glyph(style, CLI_SIGMA), 15);
     brdffit_cli_text_puts(text, "   share w   effective samples\n");
     for (int p = 0; p < result->model.lobes; p++) {
         const brdffit_lobe *const lobe = &result->lobe[p];
-        brdffit_cli_text_printf(text, "  %-4d%15.8g%8.1f %%%20.4g\n", p + 1,
-                                by_exponent ? lobe->exponent : lobe->sigma, 100 * lobe->weight,
-                                lobe->effective_samples);
+        brdffit_cli_text_printf(text, "  %-4d%15.8g%8.1f %%%20.4g\n", p + 1, by_exponent ? lobe->exponent : lobe->sigma,
+                                100 * lobe->weight, lobe->effective_samples);
     }
 }
 
 /* Largest used radiance of a channel: the scale of --normalise max. */
-static double channel_maximum(const cli_job *job, const brdffit_options *options, size_t channel)
+static double channel_maximum(const struct cli_job *job, const brdffit_options *options, size_t channel)
 {
     const brdffit_samples *const samples = &job->table->samples;
-    if (options->normalise == BRDFFIT_NORMALISE_MAX)
+    if (options->normalise == BRDFFIT_NORMALISE_MAX) {
         return job->result.channel_scale[channel];
-    if (job->table->sums != NULL)
+    }
+    if (job->table->sums != NULL) {
         return brdffit_sums_largest(job->table->sums, channel);
+    }
     double maximum = 0;
     for (size_t i = 0; i < samples->count; i++) {
         const double value = samples->values[i * samples->channels + channel];
-        if (!brdffit_cli_is_used(samples, options, i))
+        if (!brdffit_cli_is_used(samples, options, i)) {
             continue;
+        }
         const double radiance = value * brdffit_cli_to_radiance(samples, i);
         maximum = radiance > maximum ? radiance : maximum;
     }
     return maximum;
 }
 
-static void channel_table(cli_text *text, cli_style style, const cli_job *job,
+static void channel_table(struct cli_text *text, struct cli_style style, const struct cli_job *job,
                           const brdffit_options *options)
 {
     const brdffit_result *const result = &job->result;
@@ -130,32 +134,34 @@ static void channel_table(cli_text *text, cli_style style, const cli_job *job,
         brdffit_cli_text_puts(text, "  ");
         brdffit_cli_channel_cell(text, style, job->table, k, width);
         brdffit_cli_number_cell(text, result->model.x[k], 5, NUMBER_WIDTH);
-        for (int p = 0; p < lobes; p++)
-            brdffit_cli_number_cell(text, result->model.y[k * (size_t)lobes + (size_t)p], 5,
-                                    NUMBER_WIDTH);
+        for (int p = 0; p < lobes; p++) {
+            brdffit_cli_number_cell(text, result->model.y[k * (size_t)lobes + (size_t)p], 5, NUMBER_WIDTH);
+        }
         brdffit_cli_number_cell(text, result->rms[k], 3, NUMBER_WIDTH);
         const double maximum = channel_maximum(job, options, k);
         if (maximum > 0 && result->rms[k] >= 0) {
             brdffit_cli_number_cell(text, 100 * result->rms[k] / maximum, 3, NUMBER_WIDTH - 2);
             brdffit_cli_text_puts(text, " %");
-        } else
+        } else {
             brdffit_cli_cell(text, style, brdffit_cli_glyph(style, CLI_DASH), NUMBER_WIDTH);
+        }
         brdffit_cli_text_puts(text, "\n");
     }
 }
 
-static void add_stop(cli_text *text, brdffit_stop stop, const brdffit_options *options)
+static void add_stop(struct cli_text *text, brdffit_stop stop, const brdffit_options *options)
 {
-    if (stop == BRDFFIT_STOP_RELATIVE_GAP)
+    if (stop == BRDFFIT_STOP_RELATIVE_GAP) {
         brdffit_cli_text_printf(text, "at relative gap\t%g", options->relative_gap);
-    else if (stop == BRDFFIT_STOP_ABSOLUTE_GAP)
+    } else if (stop == BRDFFIT_STOP_ABSOLUTE_GAP) {
         brdffit_cli_text_printf(text, "at absolute gap\t%g", options->absolute_gap);
-    else
+    } else {
         brdffit_cli_text_printf(text, "by %s", brdffit_stop_string(stop));
+    }
 }
 
 /* "32 nodes", or what ECOS did: "90 programs by ECOS (1 refused), 66 boxes decided without". */
-static void add_work(cli_text *text, const brdffit_result *result)
+static void add_work(struct cli_text *text, const brdffit_result *result)
 {
     if (result->socp_solved + result->socp_decided == 0) {
         brdffit_cli_grouped(text, result->nodes);
@@ -171,19 +177,20 @@ static void add_work(cli_text *text, const brdffit_result *result)
 }
 
 /* What engine socp did at the level of --verify, which is rounded down, so that the claim stays true. */
-static void add_reproof(cli_text *text, cli_style style, const cli_job *job)
+static void add_reproof(struct cli_text *text, struct cli_style style, const struct cli_job *job)
 {
     const brdffit_reproof *const r = &job->reproof;
-    brdffit_cli_text_printf(text, r->proven ? "by engine socp alone, no E%s lies below "
-                                            : "engine socp alone could not prove that no E%s lies below ",
+    brdffit_cli_text_printf(text,
+                            r->proven ? "by engine socp alone, no E%s lies below "
+                                      : "engine socp alone could not prove that no E%s lies below ",
                             brdffit_cli_glyph(style, CLI_SQUARED));
     brdffit_cli_directed(text, r->level, 6, 0);
     brdffit_cli_text_puts(text, ": ");
     brdffit_cli_grouped(text, r->leaves);
     brdffit_cli_text_printf(text, " box%s discarded ", r->leaves == 1 ? "" : "es");
-    if (r->proven)
+    if (r->proven) {
         brdffit_cli_text_puts(text, "cover the whole domain");
-    else {
+    } else {
         brdffit_cli_text_puts(text, "leave ");
         brdffit_cli_directed(text, 100 * r->unproven, 2, 1);
         brdffit_cli_text_printf(text, "\t%% of the domain (stopped by %s)", brdffit_stop_string(r->stop));
@@ -197,26 +204,28 @@ static void add_reproof(cli_text *text, cli_style style, const cli_job *job)
     brdffit_cli_text_puts(text, ".");
 }
 
-static void verification(cli_text *text, cli_style style, const cli_job *job)
+static void verification(struct cli_text *text, struct cli_style style, const struct cli_job *job)
 {
     const int proven = job->reproof.proven;
-    cli_text words = {0};
-    if (!job->verified)
+    struct cli_text words = {0};
+    if (!job->verified) {
         return;
-    if (job->reproof.level > 0)
+    }
+    if (job->reproof.level > 0) {
         add_reproof(&words, style, job);
-    else
+    } else {
         brdffit_cli_text_puts(&words, "the bound is 0, which needs no proof.");
+    }
     brdffit_cli_paragraph(text, style, proven ? CLI_GREEN : CLI_YELLOW,
                           proven ? "Verified:" : "NOT verified:", brdffit_cli_text_string(&words));
     text->failed |= words.failed;
     brdffit_cli_text_free(&words);
 }
 
-static void effort(cli_text *text, cli_style style, const cli_job *job,
+static void effort(struct cli_text *text, struct cli_style style, const struct cli_job *job,
                    const brdffit_options *options)
 {
-    cli_text words = {0};
+    struct cli_text words = {0};
     brdffit_cli_grouped(&words, job->result.boxes);
     brdffit_cli_text_printf(&words, " box%s, ", job->result.boxes == 1 ? "" : "es");
     add_work(&words, &job->result);
@@ -234,30 +243,34 @@ static void effort(cli_text *text, cli_style style, const cli_job *job,
 }
 
 /* A count and what it is of, after a separator from the second on; nothing for 0. */
-static void add_saving(cli_text *words, size_t count, const char *one, const char *many)
+static void add_saving(struct cli_text *words, size_t count, const char *one, const char *many)
 {
-    if (count == 0)
+    if (count == 0) {
         return;
+    }
     brdffit_cli_text_puts(words, words->size > 0 ? "; " : "");
     brdffit_cli_grouped(words, count);
     brdffit_cli_text_printf(words, "\t%s", count == 1 ? one : many);
 }
 
 /* --stats: work that this file did not need. Skipped samples have a line of their own. */
-static void savings(cli_text *text, cli_style style, const cli_job *job, const brdffit_options *options)
+static void savings(struct cli_text *text, struct cli_style style, const struct cli_job *job,
+                    const brdffit_options *options)
 {
     const brdffit_result *const r = &job->result;
-    cli_text words = {0};
+    struct cli_text words = {0};
     add_saving(&words, r->samples_used > r->distinct_c ? r->samples_used - r->distinct_c : 0,
                "sample merged into one of the same half angle", "samples merged into others of the same half angle");
     add_saving(&words, r->channels_zero, "channel without signal", "channels without signal");
     add_saving(&words, r->channels_identical, "channel that repeats another", "channels that repeat another");
     add_saving(&words, r->socp_decided, "box decided without ECOS", "boxes decided without ECOS");
-    if (r->sigma_tail > options->sigma_min)
+    if (r->sigma_tail > options->sigma_min) {
         brdffit_cli_text_printf(&words, "%snothing searched below %s = %.3g, where the data see no change",
                                 words.size > 0 ? "; " : "", brdffit_cli_glyph(style, CLI_SIGMA), r->sigma_tail);
+    }
     if (job->one_lobe_fitted && job->one_lobe_e2 > 0) {
-        brdffit_cli_text_printf(&words, "%sone lobe alone reaches E%s = %.6g, and no second lobe lowers that by more than ",
+        brdffit_cli_text_printf(&words,
+                                "%sone lobe alone reaches E%s = %.6g, and no second lobe lowers that by more than ",
                                 words.size > 0 ? "; " : "", brdffit_cli_glyph(style, CLI_SQUARED), job->one_lobe_e2);
         brdffit_cli_directed(&words, 100 * (1 - r->lower_bound / job->one_lobe_e2), 2, 1);
         brdffit_cli_text_puts(&words, "\t%");
@@ -268,8 +281,8 @@ static void savings(cli_text *text, cli_style style, const cli_job *job, const b
     brdffit_cli_text_free(&words);
 }
 
-void brdffit_cli_report_fit(cli_text *text, cli_style style, const cli_job *job,
-                            const cli_fitter *fitter)
+void brdffit_cli_report_fit(struct cli_text *text, struct cli_style style, const struct cli_job *job,
+                            const struct cli_fitter *fitter)
 {
     const brdffit_result *const result = &job->result;
     brdffit_cli_report_title(text, style, job, result->samples_used, result->samples_skipped,
@@ -281,6 +294,7 @@ void brdffit_cli_report_fit(cli_text *text, cli_style style, const cli_job *job,
     verification(text, style, job);
     brdffit_cli_warnings(text, style, result, &fitter->options);
     effort(text, style, job, &fitter->options);
-    if (fitter->settings->stats)
+    if (fitter->settings->stats) {
         savings(text, style, job, &fitter->options);
+    }
 }

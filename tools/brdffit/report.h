@@ -6,25 +6,25 @@
 #include "job.h"
 #include "term.h"
 
-void brdffit_cli_report_fit(cli_text *text, cli_style style, const cli_job *job,
-                            const cli_fitter *fitter);
+void brdffit_cli_report_fit(struct cli_text *text, struct cli_style style, const struct cli_job *job,
+                            const struct cli_fitter *fitter);
 
 /* "name: 84 of 96 samples used" and what was skipped and why; `verb` is what
  * happens to the samples. Shared with info. */
-void brdffit_cli_report_title(cli_text *text, cli_style style, const cli_job *job, size_t used,
+void brdffit_cli_report_title(struct cli_text *text, struct cli_style style, const struct cli_job *job, size_t used,
                               const size_t *skipped, double max_incidence, const char *verb);
 
 /* `string` in a column of `width`, to the right or (negative) to the left. */
-void brdffit_cli_cell(cli_text *text, cli_style style, const char *string, int width);
+void brdffit_cli_cell(struct cli_text *text, struct cli_style style, const char *string, int width);
 
 /* A number in a column, as %.*g. */
-void brdffit_cli_number_cell(cli_text *text, double value, int digits, int width);
+void brdffit_cli_number_cell(struct cli_text *text, double value, int digits, int width);
 
 /* Columns that names of channels take, at least 7. */
-int brdffit_cli_channel_width(cli_style style, const brdffit_table *table);
+int brdffit_cli_channel_width(struct cli_style style, const brdffit_table *table);
 
 /* A channel's name, cut or filled to the width. */
-void brdffit_cli_channel_cell(cli_text *text, cli_style style, const brdffit_table *table,
-                              size_t channel, int width);
+void brdffit_cli_channel_cell(struct cli_text *text, struct cli_style style, const brdffit_table *table, size_t channel,
+                              int width);
 
 #endif

@@ -16,14 +16,13 @@ static double length(const double *a)
 static double tangent_squared(const double *normal, const double *half)
 {
     /* |n x h|^2 / (n.h)^2: exact near the normal, where 1/cos^2 - 1 is not. */
-    const double cross[3] = {normal[1] * half[2] - normal[2] * half[1],
-                             normal[2] * half[0] - normal[0] * half[2],
+    const double cross[3] = {normal[1] * half[2] - normal[2] * half[1], normal[2] * half[0] - normal[0] * half[2],
                              normal[0] * half[1] - normal[1] * half[0]};
     const double cosine = dot(normal, half);
     return cosine > 0 ? dot(cross, cross) / (cosine * cosine) : INFINITY;
 }
 
-void brdffit_cli_angles(const brdffit_samples *samples, size_t i, cli_angles *angles)
+void brdffit_cli_angles(const brdffit_samples *samples, size_t i, struct cli_angles *angles)
 {
     static const double up[3] = {0, 0, 1};
     if (samples->form == BRDFFIT_FORM_COEFFICIENTS) {
@@ -41,8 +40,7 @@ void brdffit_cli_angles(const brdffit_samples *samples, size_t i, cli_angles *an
     const double *const view = samples->view + 3 * i;
     const double *const normal = samples->normal == NULL ? up : samples->normal + 3 * i;
     const double l = length(light), v = length(view), n = length(normal);
-    const double half[3] = {light[0] / l + view[0] / v, light[1] / l + view[1] / v,
-                            light[2] / l + view[2] / v};
+    const double half[3] = {light[0] / l + view[0] / v, light[1] / l + view[1] / v, light[2] / l + view[2] / v};
     angles->cos_light = dot(normal, light) / (n * l);
     angles->cos_view = dot(normal, view) / (n * v);
     angles->tan2_half = tangent_squared(normal, half);
@@ -81,9 +79,10 @@ int brdffit_cli_is_used(const brdffit_samples *samples, const brdffit_options *o
 
 double brdffit_cli_to_radiance(const brdffit_samples *samples, size_t i)
 {
-    if (samples->quantity == BRDFFIT_QUANTITY_RADIANCE)
+    if (samples->quantity == BRDFFIT_QUANTITY_RADIANCE) {
         return 1;
-    cli_angles angles;
+    }
+    struct cli_angles angles;
     brdffit_cli_angles(samples, i, &angles);
     return angles.cos_light;
 }

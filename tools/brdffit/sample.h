@@ -5,13 +5,13 @@
 
 #include "brdffit.h"
 
-typedef struct cli_angles {
+struct cli_angles {
     double cos_light; /* n.l; NaN for a,b,c */
     double cos_view;  /* n.v; NaN for a,b,c */
     double tan2_half; /* tan^2 alpha; c for a,b,c */
-} cli_angles;
+};
 
-void brdffit_cli_angles(const brdffit_samples *samples, size_t i, cli_angles *angles);
+void brdffit_cli_angles(const brdffit_samples *samples, size_t i, struct cli_angles *angles);
 
 /* Sample i alone, as samples of its own that point into `samples`. */
 void brdffit_cli_slice(const brdffit_samples *samples, size_t i, brdffit_samples *one);

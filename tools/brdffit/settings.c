@@ -5,53 +5,51 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const cli_choice lobes[] = {{"1", 1, 0}, {"2", 2, 0}, {NULL, 0, 0}};
-const cli_choice brdffit_cli_norm_choices[] = {
+static const struct cli_choice lobes[] = {{"1", 1, 0}, {"2", 2, 0}, {NULL, 0, 0}};
+const struct cli_choice brdffit_cli_norm_choices[] = {
     {"l2", BRDFFIT_NORM_L2, 0}, {"l1", BRDFFIT_NORM_L1, 0}, {"linf", BRDFFIT_NORM_LINF, 0}, {NULL, 0, 0}};
 
-static const cli_choice engines[] = {
+static const struct cli_choice engines[] = {
     {"moment", BRDFFIT_ENGINE_MOMENT, 0}, {"socp", BRDFFIT_ENGINE_SOCP, 0}, {NULL, 0, 0}};
 
-const cli_choice brdffit_cli_distribution_choices[] = {
-    {"beckmann", BRDFFIT_BECKMANN, 0},
-    {"ggx", BRDFFIT_GGX, 0},
-    {"torrance-sparrow", BRDFFIT_TORRANCE_SPARROW, 0},
-    {"ward", BRDFFIT_WARD, 0},
-    {"blinn-phong", BRDFFIT_BLINN_PHONG, 0},
-    {"ashikhmin-shirley", BRDFFIT_ASHIKHMIN_SHIRLEY, 0},
-    {"lafortune", BRDFFIT_LAFORTUNE, 0},
-    {NULL, 0, 0}};
-const cli_choice brdffit_cli_normalise_choices[] = {
+const struct cli_choice brdffit_cli_distribution_choices[] = {{"beckmann", BRDFFIT_BECKMANN, 0},
+                                                              {"ggx", BRDFFIT_GGX, 0},
+                                                              {"torrance-sparrow", BRDFFIT_TORRANCE_SPARROW, 0},
+                                                              {"ward", BRDFFIT_WARD, 0},
+                                                              {"blinn-phong", BRDFFIT_BLINN_PHONG, 0},
+                                                              {"ashikhmin-shirley", BRDFFIT_ASHIKHMIN_SHIRLEY, 0},
+                                                              {"lafortune", BRDFFIT_LAFORTUNE, 0},
+                                                              {NULL, 0, 0}};
+const struct cli_choice brdffit_cli_normalise_choices[] = {
     {"max", BRDFFIT_NORMALISE_MAX, 0}, {"none", BRDFFIT_NORMALISE_NONE, 0}, {NULL, 0, 0}};
-const cli_choice brdffit_cli_quantity_choices[] = {
+const struct cli_choice brdffit_cli_quantity_choices[] = {
     {"brdf", BRDFFIT_QUANTITY_BRDF, 0}, {"radiance", BRDFFIT_QUANTITY_RADIANCE, 0}, {NULL, 0, 0}};
-const cli_choice brdffit_cli_bins_choices[] = {{"edge", BRDFFIT_IO_MERL_EDGE, 0},
-                                               {"centre", BRDFFIT_IO_MERL_CENTRE, 0},
-                                               {"center", BRDFFIT_IO_MERL_CENTRE, 1},
-                                               {NULL, 0, 0}};
-const cli_choice brdffit_cli_format_choices[] = {{"auto", BRDFFIT_IO_FORMAT_AUTO, 0},
-                                                 {"csv", BRDFFIT_IO_FORMAT_CSV, 0},
-                                                 {"merl", BRDFFIT_IO_FORMAT_MERL, 0},
-                                                 {NULL, 0, 0}};
+const struct cli_choice brdffit_cli_bins_choices[] = {{"edge", BRDFFIT_IO_MERL_EDGE, 0},
+                                                      {"centre", BRDFFIT_IO_MERL_CENTRE, 0},
+                                                      {"center", BRDFFIT_IO_MERL_CENTRE, 1},
+                                                      {NULL, 0, 0}};
+const struct cli_choice brdffit_cli_format_choices[] = {{"auto", BRDFFIT_IO_FORMAT_AUTO, 0},
+                                                        {"csv", BRDFFIT_IO_FORMAT_CSV, 0},
+                                                        {"merl", BRDFFIT_IO_FORMAT_MERL, 0},
+                                                        {NULL, 0, 0}};
 
-static const cli_choice map_formats[] = {{"npy", CLI_MAP_NPY, 0}, {"pfm", CLI_MAP_PFM, 0}, {NULL, 0, 0}};
+static const struct cli_choice map_formats[] = {{"npy", CLI_MAP_NPY, 0}, {"pfm", CLI_MAP_PFM, 0}, {NULL, 0, 0}};
 
-#define AT(member) offsetof(cli_settings, member)
+#define AT(member) offsetof(struct cli_settings, member)
 #define WORKERS (CLI_FIT | CLI_EVAL | CLI_INFO | CLI_MAP)
 #define ALL (WORKERS | CLI_MERGE)
 #define READERS (CLI_FIT | CLI_EVAL | CLI_INFO)
 #define FITS (CLI_FIT | CLI_MAP)
-#define CHOICE(name, commands, hidden, member, choices, value, help) \
+#define CHOICE(name, commands, hidden, member, choices, value, help)                                                   \
     {name, 0, CLI_CHOICE, commands, hidden, AT(member), 0, 0, 0, choices, value, help}
-#define NUMBER(name, kind, member, low, open, high, value, help) \
+#define NUMBER(name, kind, member, low, open, high, value, help)                                                       \
     {name, 0, kind, FITS, 0, AT(member), low, high, open, NULL, value, help}
-#define PLAIN(name, letter, kind, commands, member, value, help) \
+#define PLAIN(name, letter, kind, commands, member, value, help)                                                       \
     {name, letter, kind, commands, 0, AT(member), 0, 0, 0, NULL, value, help}
 
-const cli_option brdffit_cli_options[] = {
+const struct cli_option brdffit_cli_options[] = {
     CHOICE("lobes", FITS, 0, lobes, lobes, "1|2", "specular lobes (default 1)"),
-    CHOICE("distribution", FITS, 0, distribution, brdffit_cli_distribution_choices,
-           "NAME",
+    CHOICE("distribution", FITS, 0, distribution, brdffit_cli_distribution_choices, "NAME",
            "what a lobe is: beckmann, ggx,\ntorrance-sparrow or ward, with roughness\n"
            "sigma; blinn-phong, ashikhmin-shirley or\nlafortune, with exponent n\n(default beckmann)"),
     CHOICE("norm", FITS, 0, norm, brdffit_cli_norm_choices, "l2|l1|linf",
@@ -64,27 +62,22 @@ const cli_option brdffit_cli_options[] = {
     PLAIN("verify", 0, CLI_STRING, CLI_FIT, verify, "socp[=X]",
           "prove again, by engine socp alone, that nothing\nlies below the bound less this fraction of it\n"
           "(default 1e-3)"),
-    NUMBER("sigma-min", CLI_NUMBER, sigma_min, 1e-12, 0, 1e3, "X",
-           "smallest roughness searched (default 1e-12)"),
-    NUMBER("sigma-max", CLI_NUMBER, sigma_max, 1e-12, 0, 1e3, "X",
-           "largest roughness searched (default 6)"),
-    NUMBER("exponent-min", CLI_NUMBER, exponent_min, 1e-6, 0, 1e24, "X",
-           "smallest exponent searched (default 0.1)"),
-    NUMBER("exponent-max", CLI_NUMBER, exponent_max, 1e-6, 0, 1e24, "X",
-           "largest exponent searched (default 1e7)"),
+    NUMBER("sigma-min", CLI_NUMBER, sigma_min, 1e-12, 0, 1e3, "X", "smallest roughness searched (default 1e-12)"),
+    NUMBER("sigma-max", CLI_NUMBER, sigma_max, 1e-12, 0, 1e3, "X", "largest roughness searched (default 6)"),
+    NUMBER("exponent-min", CLI_NUMBER, exponent_min, 1e-6, 0, 1e24, "X", "smallest exponent searched (default 0.1)"),
+    NUMBER("exponent-max", CLI_NUMBER, exponent_max, 1e-6, 0, 1e24, "X", "largest exponent searched (default 1e7)"),
     NUMBER("gap", CLI_NUMBER, gap, 0, 1, 1e300, "X",
            "certify E^2 to within this fraction of the\nproven bound (default 1e-3)"),
     NUMBER("absolute-gap", CLI_NUMBER, absolute_gap, 0, 0, 1e300, "X",
            "or to within this fraction of the data's sum\nof squares (default 1e-12)"),
     NUMBER("resolution", CLI_NUMBER, resolution, 0, 0, 1e300, "X",
            "do not split boxes narrower than this in\nevery sigma, or 1/sqrt(n) (default 0: off)"),
-    NUMBER("box-budget", CLI_COUNT, box_budget, 1, 0, 9e15, "N",
-           "most boxes to bound (default 1000000)"),
+    NUMBER("box-budget", CLI_COUNT, box_budget, 1, 0, 9e15, "N", "most boxes to bound (default 1000000)"),
     CHOICE("normalise", FITS, 0, normalise, brdffit_cli_normalise_choices, "max|none",
            "divide each channel by its largest used\nradiance, or not (default max)"),
     CHOICE("normalize", FITS, 1, normalise, brdffit_cli_normalise_choices, "", ""),
-    {"max-incidence", 0, CLI_DEGREES, FITS | CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL,
-     "DEG|off", "skip samples lit from further off the normal\n(default 60)"},
+    {"max-incidence", 0, CLI_DEGREES, FITS | CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL, "DEG|off",
+     "skip samples lit from further off the normal\n(default 60)"},
     CHOICE("values", WORKERS, 0, values, brdffit_cli_quantity_choices, "brdf|radiance",
            "what the file's values are: f_r, or f_r times\n"
            "the light's cosine (default brdf; for files\nwith a,b,c radiance)"),
@@ -132,14 +125,14 @@ const cli_option brdffit_cli_options[] = {
     {NULL, 0, CLI_FLAG, 0, 0, 0, 0, 0, 0, NULL, NULL, NULL},
 };
 
-void brdffit_cli_settings_free(cli_settings *settings)
+void brdffit_cli_settings_free(struct cli_settings *settings)
 {
     free((void *)settings->files);
     settings->files = NULL;
     settings->file_count = 0;
 }
 
-void brdffit_cli_fit_options(const cli_settings *settings, brdffit_options *options)
+void brdffit_cli_fit_options(const struct cli_settings *settings, brdffit_options *options)
 {
     brdffit_options_init(options);
     options->lobes = settings->lobes;
@@ -159,23 +152,25 @@ void brdffit_cli_fit_options(const cli_settings *settings, brdffit_options *opti
     options->max_incidence = settings->max_incidence;
 }
 
-void brdffit_cli_io_options(const cli_settings *settings, brdffit_io_options *options)
+void brdffit_cli_io_options(const struct cli_settings *settings, brdffit_io_options *options)
 {
     brdffit_io_options_init(options);
     options->format = (brdffit_io_format)settings->format;
     options->quantity_set = settings->values != CLI_UNSET;
-    if (options->quantity_set)
+    if (options->quantity_set) {
         options->quantity = (brdffit_quantity)settings->values;
+    }
     options->merl_bins = (brdffit_io_merl_bins)settings->merl_bins;
-    if (strcmp(settings->merl_samples, "84") == 0)
+    if (strcmp(settings->merl_samples, "84") == 0) {
         options->merl_sampling = BRDFFIT_IO_MERL_PROTOCOL84;
-    else if (strcmp(settings->merl_samples, "table") == 0)
+    } else if (strcmp(settings->merl_samples, "table") == 0) {
         options->merl_sampling = BRDFFIT_IO_MERL_TABLE;
-    else
+    } else {
         options->merl_sampling = BRDFFIT_IO_MERL_DIRECTIONS;
+    }
 }
 
-void brdffit_cli_record_options(cli_text *text, const brdffit_options *o)
+void brdffit_cli_record_options(struct cli_text *text, const brdffit_options *o)
 {
     brdffit_cli_text_printf(text, "--lobes %d\n--distribution %s\n--norm %s\n--engine %s\n--socp-every-box %d\n",
                             o->lobes, brdffit_distribution_string(o->distribution), brdffit_norm_string(o->norm),
@@ -189,28 +184,33 @@ void brdffit_cli_record_options(cli_text *text, const brdffit_options *o)
     brdffit_cli_text_printf(text, "--max-incidence %.17g\n", o->max_incidence);
 }
 
-const char *brdffit_cli_choice_name(const cli_choice *choices, int value)
+const char *brdffit_cli_choice_name(const struct cli_choice *choices, int value)
 {
-    for (; choices->name != NULL; choices++)
-        if (choices->value == value)
+    for (; choices->name != NULL; choices++) {
+        if (choices->value == value) {
             return choices->name;
+        }
+    }
     return "unknown";
 }
 
 /* The left column: option and value; the right: its help, indented. */
-void brdffit_cli_option_help(cli_text *text, unsigned command)
+void brdffit_cli_option_help(struct cli_text *text, unsigned command)
 {
     const size_t help_column = 32;
-    for (const cli_option *option = brdffit_cli_options; option->name != NULL; option++) {
-        if (option->hidden || !(option->commands & command))
+    for (const struct cli_option *option = brdffit_cli_options; option->name != NULL; option++) {
+        if (option->hidden || !(option->commands & command)) {
             continue;
+        }
         const size_t start = text->size;
-        if (option->letter)
+        if (option->letter) {
             brdffit_cli_text_printf(text, "  -%c, --%s", option->letter, option->name);
-        else
+        } else {
             brdffit_cli_text_printf(text, "  --%s", option->name);
-        if (option->value != NULL)
+        }
+        if (option->value != NULL) {
             brdffit_cli_text_printf(text, " %s", option->value);
+        }
         size_t column = text->size - start;
         if (column + 2 > help_column) {
             brdffit_cli_text_puts(text, "\n");

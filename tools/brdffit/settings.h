@@ -20,7 +20,7 @@
 /* An option that can be left out and was. */
 #define CLI_UNSET (-1)
 
-typedef struct cli_settings {
+struct cli_settings {
     int lobes;
     int distribution;
     int norm;
@@ -58,11 +58,11 @@ typedef struct cli_settings {
     size_t threads; /* 0: as many as there are processors */
     const char **files; /* in the order given; the array is owned */
     size_t file_count;
-} cli_settings;
+};
 
-typedef enum cli_map_format { CLI_MAP_NPY, CLI_MAP_PFM } cli_map_format;
+enum cli_map_format { CLI_MAP_NPY, CLI_MAP_PFM };
 
-typedef enum cli_option_kind {
+enum cli_option_kind {
     CLI_FLAG,
     CLI_CHOICE,
     CLI_NUMBER,
@@ -70,38 +70,38 @@ typedef enum cli_option_kind {
     CLI_DEGREES, /* a number, or "off" for 90 */
     CLI_STRING,
     CLI_HELP
-} cli_option_kind;
+};
 
-typedef struct cli_choice {
+struct cli_choice {
     const char *name; /* NULL ends the list */
     int value;
     int hidden; /* another spelling of the one before */
-} cli_choice;
+};
 
-typedef struct cli_option {
+struct cli_option {
     const char *name; /* without the dashes; NULL ends the table */
     char letter;      /* 0: none */
-    cli_option_kind kind;
+    enum cli_option_kind kind;
     unsigned commands; /* CLI_FIT | ... */
     int hidden;        /* another spelling of the option before */
     size_t offset;     /* of the member of cli_settings */
     double low, high;  /* CLI_NUMBER, CLI_DEGREES, CLI_COUNT */
     int low_open;      /* `low` itself is not allowed */
-    const cli_choice *choices;
+    const struct cli_choice *choices;
     const char *value; /* shown in the help */
     const char *help;  /* lines separated by \n */
-} cli_option;
+};
 
-extern const cli_option brdffit_cli_options[];
+extern const struct cli_option brdffit_cli_options[];
 
-typedef enum cli_parse { CLI_PARSED, CLI_PARSED_HELP, CLI_PARSE_FAILED } cli_parse;
+enum cli_parse { CLI_PARSED, CLI_PARSED_HELP, CLI_PARSE_FAILED };
 
 /* Read argv[1..] of `command`. On failure the reason is on stderr. Release
  * with brdffit_cli_settings_free() whatever the answer. */
-cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int argc, char **argv,
-                            cli_settings *settings);
+enum cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int argc, char **argv,
+                                 struct cli_settings *settings);
 
-void brdffit_cli_settings_free(cli_settings *settings);
+void brdffit_cli_settings_free(struct cli_settings *settings);
 
 /* The whole of `text` as a finite decimal number, whatever the locale says:
  * the process never leaves the "C" LC_NUMERIC. 0 when it is not one. */
@@ -109,24 +109,24 @@ int brdffit_cli_number(const char *text, double *value);
 
 /* What the settings mean to the libraries. Progress callbacks and MERL
  * directions are the caller's to add. */
-void brdffit_cli_fit_options(const cli_settings *settings, brdffit_options *options);
-void brdffit_cli_io_options(const cli_settings *settings, brdffit_io_options *options);
+void brdffit_cli_fit_options(const struct cli_settings *settings, brdffit_options *options);
+void brdffit_cli_io_options(const struct cli_settings *settings, brdffit_io_options *options);
 
 /* What is fitted and how closely, an option a line: two runs that agree in
  * this do the same to the same data. */
-void brdffit_cli_record_options(cli_text *text, const brdffit_options *options);
+void brdffit_cli_record_options(struct cli_text *text, const brdffit_options *options);
 
 /* Name of a value in a list of choices. */
-const char *brdffit_cli_choice_name(const cli_choice *choices, int value);
+const char *brdffit_cli_choice_name(const struct cli_choice *choices, int value);
 
-extern const cli_choice brdffit_cli_norm_choices[];
-extern const cli_choice brdffit_cli_normalise_choices[];
-extern const cli_choice brdffit_cli_quantity_choices[];
-extern const cli_choice brdffit_cli_bins_choices[];
-extern const cli_choice brdffit_cli_format_choices[];
-extern const cli_choice brdffit_cli_distribution_choices[];
+extern const struct cli_choice brdffit_cli_norm_choices[];
+extern const struct cli_choice brdffit_cli_normalise_choices[];
+extern const struct cli_choice brdffit_cli_quantity_choices[];
+extern const struct cli_choice brdffit_cli_bins_choices[];
+extern const struct cli_choice brdffit_cli_format_choices[];
+extern const struct cli_choice brdffit_cli_distribution_choices[];
 
 /* The options of `command`, as its help shows them. */
-void brdffit_cli_option_help(cli_text *text, unsigned command);
+void brdffit_cli_option_help(struct cli_text *text, unsigned command);
 
 #endif

@@ -15,25 +15,25 @@
 #include "settings.h"
 #include "text.h"
 
-typedef struct cli_shard {
+struct cli_shard {
     size_t part, of; /* from 1 */
     size_t files;    /* of the whole run */
     uint64_t run;
-} cli_shard;
+};
 
 /* Leave in settings->files what belongs to this part. `directions` of
  * --merl-samples FILE, or NULL. -1: no memory. */
-int brdffit_cli_shard_take(cli_shard *shard, cli_settings *settings, const brdffit_options *options,
+int brdffit_cli_shard_take(struct cli_shard *shard, struct cli_settings *settings, const brdffit_options *options,
                            const brdffit_samples *directions);
 
 /* Where on the command line file `index` of the part was, from 1. */
-size_t brdffit_cli_shard_position(const cli_shard *shard, size_t index);
+size_t brdffit_cli_shard_position(const struct cli_shard *shard, size_t index);
 
 /* Add the stamp to the line that begins at `start`, still without its last brace. */
-void brdffit_cli_shard_stamp(cli_text *text, size_t start, const cli_shard *shard, size_t position);
+void brdffit_cli_shard_stamp(struct cli_text *text, size_t start, const struct cli_shard *shard, size_t position);
 
 /* Read the stamp of a line (without its end of line). Returns the length of
  * what stands before it, or 0 with the reason in *why. */
-size_t brdffit_cli_shard_read(const char *line, cli_shard *shard, size_t *position, const char **why);
+size_t brdffit_cli_shard_read(const char *line, struct cli_shard *shard, size_t *position, const char **why);
 
 #endif

@@ -7,7 +7,7 @@
 
 #include "failure.h"
 
-int brdffit_cli_slurp(cli_text *text, const char *path)
+int brdffit_cli_slurp(struct cli_text *text, const char *path)
 {
     const int standard = strcmp(path, "-") == 0;
     char block[16384];
@@ -18,15 +18,17 @@ int brdffit_cli_slurp(cli_text *text, const char *path)
         return CLI_EXIT_FAILURE;
     }
     errno = 0;
-    while ((size = fread(block, 1, sizeof block, file)) > 0)
+    while ((size = fread(block, 1, sizeof block, file)) > 0) {
         brdffit_cli_text_add(text, block, size);
+    }
     const int failed = ferror(file);
     const int error = errno;
-    if (!standard)
+    if (!standard) {
         (void)fclose(file);
+    }
     if (failed) {
-        fprintf(stderr, "brdffit: %s: cannot read the file (%s)\n",
-                standard ? "standard input" : path, strerror(error));
+        fprintf(stderr, "brdffit: %s: cannot read the file (%s)\n", standard ? "standard input" : path,
+                strerror(error));
         return CLI_EXIT_FAILURE;
     }
     return text->failed ? brdffit_cli_no_memory() : 0;

@@ -6,6 +6,6 @@
 
 /* Append the content of `path` ("-": standard input). 0, or CLI_EXIT_FAILURE
  * when the reason is on stderr. */
-int brdffit_cli_slurp(cli_text *text, const char *path);
+int brdffit_cli_slurp(struct cli_text *text, const char *path);
 
 #endif

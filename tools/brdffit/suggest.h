@@ -4,14 +4,14 @@
 
 #include <stddef.h>
 
-typedef struct cli_suggestion {
+struct cli_suggestion {
     const char *word; /* best so far, or NULL */
     size_t distance;
-} cli_suggestion;
+};
 
 /* Offer `candidate` for `given`; start from a zeroed suggestion. A candidate
  * is near when it begins with `given`, or when few edits (insert, delete,
  * replace, swap of neighbours) lead from one to the other. */
-void brdffit_cli_suggest(cli_suggestion *best, const char *given, const char *candidate);
+void brdffit_cli_suggest(struct cli_suggestion *best, const char *given, const char *candidate);
 
 #endif

@@ -17,35 +17,39 @@ static int names_utf8(const char *codeset)
  * what the terminal shows still follows the name. */
 static int locale_is_utf8(void)
 {
-    if (names_utf8(nl_langinfo(CODESET)))
+    if (names_utf8(nl_langinfo(CODESET))) {
         return 1;
+    }
     static const char *const variables[] = {"LC_ALL", "LC_CTYPE", "LANG"};
     for (size_t i = 0; i < sizeof variables / sizeof *variables; i++) {
         const char *value = getenv(variables[i]);
-        if (value == NULL || *value == '\0')
+        if (value == NULL || *value == '\0') {
             continue;
+        }
         const char *dot = strchr(value, '.');
         char codeset[16] = "";
-        if (dot != NULL)
-            for (size_t k = 0; k + 1 < sizeof codeset && dot[k + 1] && dot[k + 1] != '@'; k++)
+        if (dot != NULL) {
+            for (size_t k = 0; k + 1 < sizeof codeset && dot[k + 1] && dot[k + 1] != '@'; k++) {
                 codeset[k] = dot[k + 1];
+            }
+        }
         return names_utf8(codeset);
     }
     return 0;
 }
 
-cli_style brdffit_cli_style(FILE *out)
+struct cli_style brdffit_cli_style(FILE *out)
 {
     const char *no_color = getenv("NO_COLOR");
     const char *term = getenv("TERM");
-    cli_style style;
+    struct cli_style style;
     style.utf8 = locale_is_utf8();
-    style.colour = isatty(fileno(out)) && (no_color == NULL || *no_color == '\0') &&
-                   term != NULL && strcmp(term, "dumb") != 0;
+    style.colour = isatty(fileno(out)) && (no_color == NULL || *no_color == '\0') && term != NULL &&
+                   strcmp(term, "dumb") != 0;
     return style;
 }
 
-const char *brdffit_cli_glyph(cli_style style, cli_glyph glyph)
+const char *brdffit_cli_glyph(struct cli_style style, enum cli_glyph glyph)
 {
     switch (glyph) {
     case CLI_SIGMA: return style.utf8 ? "σ" : "sigma";
@@ -57,27 +61,30 @@ const char *brdffit_cli_glyph(cli_style style, cli_glyph glyph)
     return "";
 }
 
-void brdffit_cli_ink(cli_text *text, cli_style style, cli_ink ink, const char *string)
+void brdffit_cli_ink(struct cli_text *text, struct cli_style style, enum cli_ink ink, const char *string)
 {
     static const char *const codes[] = {"\033[1m", "\033[32m", "\033[33m", "\033[31m"};
-    if (style.colour)
+    if (style.colour) {
         brdffit_cli_text_puts(text, codes[ink]);
+    }
     brdffit_cli_text_puts(text, string);
-    if (style.colour)
+    if (style.colour) {
         brdffit_cli_text_puts(text, "\033[0m");
+    }
 }
 
 /* Well-formed UTF-8 as RFC 3629 has it: no overlong forms, no surrogates. */
 size_t brdffit_cli_utf8_length(const char *at)
 {
     const unsigned char *u = (const unsigned char *)at;
-    if (u[0] < 0x80)
+    if (u[0] < 0x80) {
         return 1;
+    }
     unsigned low = 0x80, high = 0xBF;
     size_t length;
-    if (u[0] >= 0xC2 && u[0] <= 0xDF)
+    if (u[0] >= 0xC2 && u[0] <= 0xDF) {
         length = 2;
-    else if (u[0] >= 0xE0 && u[0] <= 0xEF) {
+    } else if (u[0] >= 0xE0 && u[0] <= 0xEF) {
         length = 3;
         low = u[0] == 0xE0 ? 0xA0 : 0x80;
         high = u[0] == 0xED ? 0x9F : 0xBF;
@@ -85,27 +92,33 @@ size_t brdffit_cli_utf8_length(const char *at)
         length = 4;
         low = u[0] == 0xF0 ? 0x90 : 0x80;
         high = u[0] == 0xF4 ? 0x8F : 0xBF;
-    } else
+    } else {
         return 0;
-    if (!(u[1] >= low && u[1] <= high))
+    }
+    if (!(u[1] >= low && u[1] <= high)) {
         return 0;
-    for (size_t i = 2; i < length; i++)
-        if ((u[i] & 0xC0) != 0x80)
+    }
+    for (size_t i = 2; i < length; i++) {
+        if ((u[i] & 0xC0) != 0x80) {
             return 0;
+        }
+    }
     return length;
 }
 
-size_t brdffit_cli_width(cli_style style, const char *string)
+size_t brdffit_cli_width(struct cli_style style, const char *string)
 {
-    if (!style.utf8)
+    if (!style.utf8) {
         return strlen(string);
+    }
     size_t width = 0;
-    for (; *string; string++)
+    for (; *string; string++) {
         width += ((unsigned char)*string & 0xC0) != 0x80;
+    }
     return width;
 }
 
-void brdffit_cli_name(cli_text *text, cli_style style, const char *name)
+void brdffit_cli_name(struct cli_text *text, struct cli_style style, const char *name)
 {
     while (*name) {
         const unsigned char first = (unsigned char)*name;
@@ -113,15 +126,16 @@ void brdffit_cli_name(cli_text *text, cli_style style, const char *name)
         /* U+0080 to U+009F are controls too. */
         const int control = first < 0x20 || first == 0x7F ||
                             (length == 2 && first == 0xC2 && (unsigned char)name[1] < 0xA0);
-        if (length == 0 || control || (length > 1 && !style.utf8))
+        if (length == 0 || control || (length > 1 && !style.utf8)) {
             brdffit_cli_text_puts(text, "?");
-        else
+        } else {
             brdffit_cli_text_add(text, name, length);
+        }
         name += length == 0 ? 1 : length;
     }
 }
 
-void brdffit_cli_paragraph(cli_text *text, cli_style style, cli_ink ink, const char *lead,
+void brdffit_cli_paragraph(struct cli_text *text, struct cli_style style, enum cli_ink ink, const char *lead,
                            const char *paragraph)
 {
     size_t column = 2;
@@ -130,7 +144,7 @@ void brdffit_cli_paragraph(cli_text *text, cli_style style, cli_ink ink, const c
         brdffit_cli_ink(text, style, ink, lead);
         column += brdffit_cli_width(style, lead);
     }
-    cli_text word = {0};
+    struct cli_text word = {0};
     while (*paragraph) {
         const size_t length = strcspn(paragraph, " ");
         brdffit_cli_text_clear(&word);
@@ -143,8 +157,9 @@ void brdffit_cli_paragraph(cli_text *text, cli_style style, cli_ink ink, const c
             brdffit_cli_text_puts(text, " ");
             column++;
         }
-        for (size_t i = 0; i < length; i++)
+        for (size_t i = 0; i < length; i++) {
             brdffit_cli_text_add(text, paragraph[i] == '\t' ? " " : paragraph + i, 1);
+        }
         column += width;
         paragraph += length + strspn(paragraph + length, " ");
     }

@@ -15,24 +15,24 @@
 
 /* Zero-initialise. `data` is NULL or ends with a NUL that `size` does not
  * count. Once memory has run out, `failed` stays 1 and nothing is added. */
-typedef struct cli_text {
+struct cli_text {
     char *data;
     size_t size;
     size_t capacity;
     int failed;
-} cli_text;
+};
 
-void brdffit_cli_text_add(cli_text *text, const char *bytes, size_t size);
-void brdffit_cli_text_puts(cli_text *text, const char *string);
-void brdffit_cli_text_pad(cli_text *text, size_t spaces);
-void brdffit_cli_text_printf(cli_text *text, const char *format, ...) CLI_PRINTF(2, 3);
-void brdffit_cli_text_clear(cli_text *text);
-void brdffit_cli_text_free(cli_text *text);
+void brdffit_cli_text_add(struct cli_text *text, const char *bytes, size_t size);
+void brdffit_cli_text_puts(struct cli_text *text, const char *string);
+void brdffit_cli_text_pad(struct cli_text *text, size_t spaces);
+void brdffit_cli_text_printf(struct cli_text *text, const char *format, ...) CLI_PRINTF(2, 3);
+void brdffit_cli_text_clear(struct cli_text *text);
+void brdffit_cli_text_free(struct cli_text *text);
 
 /* FNV-1a of 64 bits. */
-uint64_t brdffit_cli_text_hash(const cli_text *text);
+uint64_t brdffit_cli_text_hash(const struct cli_text *text);
 
 /* The text as a C string; "" when it is empty. */
-const char *brdffit_cli_text_string(const cli_text *text);
+const char *brdffit_cli_text_string(const struct cli_text *text);
 
 #endif

@@ -22,50 +22,55 @@ int brdffit_cli_by_exponent(brdffit_distribution distribution)
     return strcmp(brdffit_parameter_string(distribution), "exponent") == 0;
 }
 
-const char *brdffit_cli_parameter(cli_style style, brdffit_distribution distribution)
+const char *brdffit_cli_parameter(struct cli_style style, brdffit_distribution distribution)
 {
     return brdffit_cli_by_exponent(distribution) ? "n" : brdffit_cli_glyph(style, CLI_SIGMA);
 }
 
-const char *brdffit_cli_objective(cli_style style, brdffit_norm norm)
+const char *brdffit_cli_objective(struct cli_style style, brdffit_norm norm)
 {
-    if (norm == BRDFFIT_NORM_L1)
+    if (norm == BRDFFIT_NORM_L1) {
         return "sum of absolute residuals";
-    if (norm == BRDFFIT_NORM_LINF)
+    }
+    if (norm == BRDFFIT_NORM_LINF) {
         return "maximum absolute residual";
+    }
     return style.utf8 ? "E²" : "E^2";
 }
 
-void brdffit_cli_grouped(cli_text *text, size_t number)
+void brdffit_cli_grouped(struct cli_text *text, size_t number)
 {
     if (number >= 1000) {
         brdffit_cli_grouped(text, number / 1000);
         brdffit_cli_text_printf(text, ",%03zu", number % 1000);
-    } else
+    } else {
         brdffit_cli_text_printf(text, "%zu", number);
+    }
 }
 
-void brdffit_cli_duration(cli_text *text, double seconds)
+void brdffit_cli_duration(struct cli_text *text, double seconds)
 {
-    if (!(seconds >= 0.00995))
+    if (!(seconds >= 0.00995)) {
         brdffit_cli_text_printf(text, "%.2g\tms", 1e3 * seconds);
-    else if (seconds < 0.9995)
+    } else if (seconds < 0.9995) {
         brdffit_cli_text_printf(text, "%.0f\tms", 1e3 * seconds);
-    else if (seconds < 99.5)
+    } else if (seconds < 99.5) {
         brdffit_cli_text_printf(text, "%.3g\ts", seconds);
-    else
+    } else {
         brdffit_cli_text_printf(text, "%.0f\ts", seconds);
+    }
 }
 
-void brdffit_cli_directed(cli_text *text, double value, int digits, int up)
+void brdffit_cli_directed(struct cli_text *text, double value, int digits, int up)
 {
     char shown[64];
     double shifted = value;
     for (int attempt = 0; attempt < 4; attempt++) {
         (void)snprintf(shown, sizeof shown, "%.*g", digits, shifted);
         const double back = strtod(shown, NULL);
-        if (up ? back >= value : back <= value)
+        if (up ? back >= value : back <= value) {
             break;
+        }
         /* One unit of the last digit, on the side that is wanted. */
         const double unit = pow(10, floor(log10(fabs(value))) + 1 - digits);
         shifted = back + (up ? unit : -unit);
@@ -90,15 +95,14 @@ static const char *distribution_title(brdffit_distribution distribution)
 }
 
 /* "Beckmann fit with 2 lobes and σ in [1e-12, 6]", "Blinn-Phong fit with 1 lobe and n in [0.1, 1e+07]" */
-static void add_family(cli_text *text, cli_style style, const brdffit_result *result,
+static void add_family(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                        const brdffit_options *options)
 {
     const int lobes = result->model.lobes;
     const brdffit_distribution distribution = result->model.distribution;
     const int by_exponent = brdffit_cli_by_exponent(distribution);
-    brdffit_cli_text_printf(text, "%s fit with %d %s and %s in\t[%.6g,\t%.6g]",
-                            distribution_title(distribution), lobes, lobes == 1 ? "lobe" : "lobes",
-                            brdffit_cli_parameter(style, distribution),
+    brdffit_cli_text_printf(text, "%s fit with %d %s and %s in\t[%.6g,\t%.6g]", distribution_title(distribution), lobes,
+                            lobes == 1 ? "lobe" : "lobes", brdffit_cli_parameter(style, distribution),
                             by_exponent ? options->exponent_min : options->sigma_min,
                             by_exponent ? options->exponent_max : options->sigma_max);
 }
@@ -106,24 +110,27 @@ static void add_family(cli_text *text, cli_style style, const brdffit_result *re
 /* Digits that show the two apart, and at least five. */
 static int telling_digits(double low, double high)
 {
-    if (!(low > 0 && high > low))
+    if (!(low > 0 && high > low)) {
         return 6;
+    }
     const double digits = 2 - floor(log10(high / low - 1));
     return digits < 5 ? 5 : digits > 17 ? 17 : (int)digits;
 }
 
 /* " (0.003 % above)" */
-static void add_above(cli_text *text, const brdffit_result *result)
+static void add_above(struct cli_text *text, const brdffit_result *result)
 {
-    if (!(result->lower_bound > 0))
+    if (!(result->lower_bound > 0)) {
         return;
+    }
     const double above = 100 * (result->e2 / result->lower_bound - 1);
     if (above > 0) {
         brdffit_cli_text_puts(text, " (");
         brdffit_cli_directed(text, above, 2, 1);
         brdffit_cli_text_puts(text, "\t%\tabove)");
-    } else
+    } else {
         brdffit_cli_text_puts(text, " (the same to rounding)");
+    }
 }
 
 /* The noun in a sentence: "has E² below", "has a sum of absolute residuals below". */
@@ -132,14 +139,13 @@ static const char *article(brdffit_norm norm)
     return norm == BRDFFIT_NORM_L2 ? "" : "a ";
 }
 
-static void exact(cli_text *text, cli_style style, const brdffit_options *options)
+static void exact(struct cli_text *text, struct cli_style style, const brdffit_options *options)
 {
-    brdffit_cli_text_printf(text, "this fit is exact, %s%s is 0.",
-                            options->norm == BRDFFIT_NORM_L2 ? "" : "its ",
+    brdffit_cli_text_printf(text, "this fit is exact, %s%s is 0.", options->norm == BRDFFIT_NORM_L2 ? "" : "its ",
                             brdffit_cli_objective(style, options->norm));
 }
 
-static void proven_relative(cli_text *text, cli_style style, const brdffit_result *result,
+static void proven_relative(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                             const brdffit_options *options)
 {
     const int digits = telling_digits(result->lower_bound, result->e2);
@@ -158,7 +164,7 @@ static void proven_relative(cli_text *text, cli_style style, const brdffit_resul
     brdffit_cli_text_puts(text, ".");
 }
 
-static void proven_absolute(cli_text *text, cli_style style, const brdffit_result *result,
+static void proven_absolute(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                             const brdffit_options *options)
 {
     const int squares = options->norm == BRDFFIT_NORM_L2;
@@ -167,13 +173,12 @@ static void proven_absolute(cli_text *text, cli_style style, const brdffit_resul
         return;
     }
     const double share = result->gap / result->sum_of_squares;
-    brdffit_cli_text_printf(text, "%s%s is ", squares ? "" : "the ",
-                            brdffit_cli_objective(style, options->norm));
+    brdffit_cli_text_printf(text, "%s%s is ", squares ? "" : "the ", brdffit_cli_objective(style, options->norm));
     brdffit_cli_directed(text, result->e2, 3, 1);
-    brdffit_cli_text_printf(text, ", the data's %s %.6g", squares ? "sum of squares" : "own",
-                            result->sum_of_squares);
-    if (result->e2 <= (squares ? 1e-20 : 1e-12) * result->sum_of_squares)
+    brdffit_cli_text_printf(text, ", the data's %s %.6g", squares ? "sum of squares" : "own", result->sum_of_squares);
+    if (result->e2 <= (squares ? 1e-20 : 1e-12) * result->sum_of_squares) {
         brdffit_cli_text_puts(text, ": zero to rounding");
+    }
     if (share > 0) {
         brdffit_cli_text_puts(text, "; no ");
         add_family(text, style, result, options);
@@ -184,13 +189,12 @@ static void proven_absolute(cli_text *text, cli_style style, const brdffit_resul
     brdffit_cli_text_puts(text, ".");
 }
 
-static void add_stop(cli_text *text, cli_style style, const brdffit_result *result,
+static void add_stop(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                      const brdffit_options *options)
 {
     switch (result->stop) {
     case BRDFFIT_STOP_RESOLUTION:
-        brdffit_cli_text_printf(text, "every box left is narrower than --resolution %.6g",
-                                options->sigma_resolution);
+        brdffit_cli_text_printf(text, "every box left is narrower than --resolution %.6g", options->sigma_resolution);
         return;
     case BRDFFIT_STOP_ROUNDING:
         brdffit_cli_text_puts(text, "the boxes left cannot be split further in double precision");
@@ -220,14 +224,13 @@ static const char *advice(brdffit_stop stop)
     }
 }
 
-static void not_proven(cli_text *text, cli_style style, const brdffit_result *result,
+static void not_proven(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                        const brdffit_options *options)
 {
     const int digits = telling_digits(result->lower_bound, result->e2);
     brdffit_cli_text_puts(text, "the search stopped because ");
     add_stop(text, style, result, options);
-    brdffit_cli_text_printf(text, ". The smallest %s of any ",
-                            brdffit_cli_objective(style, options->norm));
+    brdffit_cli_text_printf(text, ". The smallest %s of any ", brdffit_cli_objective(style, options->norm));
     add_family(text, style, result, options);
     brdffit_cli_text_puts(text, " lies between ");
     brdffit_cli_directed(text, result->lower_bound, digits, 0);
@@ -238,21 +241,22 @@ static void not_proven(cli_text *text, cli_style style, const brdffit_result *re
     brdffit_cli_text_puts(text, advice(result->stop));
 }
 
-void brdffit_cli_certificate(cli_text *text, cli_style style, const brdffit_result *result,
+void brdffit_cli_certificate(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                              const brdffit_options *options)
 {
-    cli_text words = {0};
-    if (!result->certified)
+    struct cli_text words = {0};
+    if (!result->certified) {
         not_proven(&words, style, result, options);
-    else if (result->stop == BRDFFIT_STOP_ABSOLUTE_GAP)
+    } else if (result->stop == BRDFFIT_STOP_ABSOLUTE_GAP) {
         proven_absolute(&words, style, result, options);
-    else
+    } else {
         proven_relative(&words, style, result, options);
-    if (result->certified)
+    }
+    if (result->certified) {
         brdffit_cli_paragraph(text, style, CLI_GREEN, "Proven:", brdffit_cli_text_string(&words));
-    else
-        brdffit_cli_paragraph(text, style, CLI_YELLOW, "NOT proven:",
-                              brdffit_cli_text_string(&words));
+    } else {
+        brdffit_cli_paragraph(text, style, CLI_YELLOW, "NOT proven:", brdffit_cli_text_string(&words));
+    }
     text->failed |= words.failed;
     brdffit_cli_text_free(&words);
 }
@@ -260,7 +264,7 @@ void brdffit_cli_certificate(cli_text *text, cli_style style, const brdffit_resu
 /* ---- Warnings ---------------------------------------------------------- */
 
 /* "σ sits on the lower end of the range searched; lower --sigma-min." */
-static void add_at_limit(cli_text *words, cli_style style, const brdffit_lobe *lobe,
+static void add_at_limit(struct cli_text *words, struct cli_style style, const brdffit_lobe *lobe,
                          const brdffit_options *options)
 {
     const char *name = brdffit_parameter_string(options->distribution);
@@ -269,15 +273,20 @@ static void add_at_limit(cli_text *words, cli_style style, const brdffit_lobe *l
     const double low = by_exponent ? options->exponent_min : options->sigma_min;
     const double high = by_exponent ? options->exponent_max : options->sigma_max;
     const char *parameter = brdffit_cli_parameter(style, options->distribution);
-    if (value - low < high - value)
-        brdffit_cli_text_printf(words, "%s sits on the lower end of the range searched; lower "
-                                       "--%s-min.", parameter, name);
-    else
-        brdffit_cli_text_printf(words, "%s sits on the upper end of the range searched; raise "
-                                       "--%s-max.", parameter, name);
+    if (value - low < high - value) {
+        brdffit_cli_text_printf(words,
+                                "%s sits on the lower end of the range searched; lower "
+                                "--%s-min.",
+                                parameter, name);
+    } else {
+        brdffit_cli_text_printf(words,
+                                "%s sits on the upper end of the range searched; raise "
+                                "--%s-max.",
+                                parameter, name);
+    }
 }
 
-static void add_warning(cli_text *words, cli_style style, const brdffit_lobe *lobe, unsigned bit,
+static void add_warning(struct cli_text *words, struct cli_style style, const brdffit_lobe *lobe, unsigned bit,
                         int lobes, const brdffit_options *options)
 {
     const int by_exponent = brdffit_cli_by_exponent(options->distribution);
@@ -298,29 +307,27 @@ static void add_warning(cli_text *words, cli_style style, const brdffit_lobe *lo
         break;
     case BRDFFIT_WARN_UNUSED:
         brdffit_cli_text_printf(words, "its coefficient is 0 in every channel: %s.",
-                                lobes == 1 ? "the data show no such lobe"
-                                           : "one lobe fewer fits as well");
+                                lobes == 1 ? "the data show no such lobe" : "one lobe fewer fits as well");
         break;
     case BRDFFIT_WARN_AT_LIMIT: add_at_limit(words, style, lobe, options); break;
     default: brdffit_cli_text_printf(words, "warning %u.", bit); break;
     }
 }
 
-void brdffit_cli_warnings(cli_text *text, cli_style style, const brdffit_result *result,
+void brdffit_cli_warnings(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                           const brdffit_options *options)
 {
     for (int p = 0; p < result->model.lobes; p++) {
         const brdffit_lobe *const lobe = &result->lobe[p];
         for (unsigned bit = 1; bit != 0 && bit <= lobe->warnings; bit <<= 1) {
             /* Of a lobe that is not there nothing else is worth saying. */
-            if (!(lobe->warnings & bit) ||
-                (bit != BRDFFIT_WARN_UNUSED && (lobe->warnings & BRDFFIT_WARN_UNUSED)))
+            if (!(lobe->warnings & bit) || (bit != BRDFFIT_WARN_UNUSED && (lobe->warnings & BRDFFIT_WARN_UNUSED))) {
                 continue;
-            cli_text words = {0};
+            }
+            struct cli_text words = {0};
             brdffit_cli_text_printf(&words, "lobe %d: ", p + 1);
             add_warning(&words, style, lobe, bit, result->model.lobes, options);
-            brdffit_cli_paragraph(text, style, CLI_YELLOW,
-                                  "Warning,", brdffit_cli_text_string(&words));
+            brdffit_cli_paragraph(text, style, CLI_YELLOW, "Warning,", brdffit_cli_text_string(&words));
             text->failed |= words.failed;
             brdffit_cli_text_free(&words);
         }
@@ -329,18 +336,20 @@ void brdffit_cli_warnings(cli_text *text, cli_style style, const brdffit_result 
 
 /* ---- Samples that were not used ---------------------------------------- */
 
-static void add_reason(cli_text *text, size_t *total, size_t count, const char *words)
+static void add_reason(struct cli_text *text, size_t *total, size_t count, const char *words)
 {
-    if (count == 0)
+    if (count == 0) {
         return;
-    if (*total > 0)
+    }
+    if (*total > 0) {
         brdffit_cli_text_puts(text, ", ");
+    }
     brdffit_cli_grouped(text, count);
     brdffit_cli_text_printf(text, " %s", words);
     *total += count;
 }
 
-size_t brdffit_cli_skipped(cli_text *text, cli_style style, const size_t *skipped,
+size_t brdffit_cli_skipped(struct cli_text *text, struct cli_style style, const size_t *skipped,
                            const brdffit_table *table, double max_incidence)
 {
     size_t total = 0;
@@ -348,14 +357,11 @@ size_t brdffit_cli_skipped(cli_text *text, cli_style style, const size_t *skippe
     (void)snprintf(incidence, sizeof incidence, "lit from beyond %.6g%s", max_incidence,
                    brdffit_cli_glyph(style, CLI_DEGREE));
     add_reason(text, &total, skipped[BRDFFIT_SKIP_INCIDENCE], incidence);
-    add_reason(text, &total, skipped[BRDFFIT_SKIP_LIGHT_BELOW_HORIZON],
-               "with the light below the horizon");
-    add_reason(text, &total, skipped[BRDFFIT_SKIP_VIEW_BELOW_HORIZON],
-               "with the viewer below the horizon");
+    add_reason(text, &total, skipped[BRDFFIT_SKIP_LIGHT_BELOW_HORIZON], "with the light below the horizon");
+    add_reason(text, &total, skipped[BRDFFIT_SKIP_VIEW_BELOW_HORIZON], "with the viewer below the horizon");
     add_reason(text, &total, skipped[BRDFFIT_SKIP_ZERO_WEIGHT], "of weight 0");
     add_reason(text, &total, table->dropped[BRDFFIT_IO_DROP_MASKED], "masked (not measured)");
     add_reason(text, &total, table->dropped[BRDFFIT_IO_DROP_ABSENT], "with an empty field");
-    add_reason(text, &total, table->dropped[BRDFFIT_IO_DROP_BELOW_HORIZON],
-               "cells beyond the hemisphere");
+    add_reason(text, &total, table->dropped[BRDFFIT_IO_DROP_BELOW_HORIZON], "cells beyond the hemisphere");
     return total;
 }

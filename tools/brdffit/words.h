@@ -13,32 +13,32 @@ const char *brdffit_cli_warning_name(unsigned bit);
 int brdffit_cli_by_exponent(brdffit_distribution distribution);
 
 /* The letter of the parameter: "n" or sigma. */
-const char *brdffit_cli_parameter(cli_style style, brdffit_distribution distribution);
+const char *brdffit_cli_parameter(struct cli_style style, brdffit_distribution distribution);
 
 /* "Proven: no Beckmann fit with 2 lobes ..." or "NOT proven: ...". */
-void brdffit_cli_certificate(cli_text *text, cli_style style, const brdffit_result *result,
+void brdffit_cli_certificate(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                              const brdffit_options *options);
 
 /* A paragraph for each warning of each lobe; of an unused lobe only that. */
-void brdffit_cli_warnings(cli_text *text, cli_style style, const brdffit_result *result,
+void brdffit_cli_warnings(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                           const brdffit_options *options);
 
 /* "60 light beyond 60° incidence, 8 view below the horizon"; nothing when
  * nothing was skipped. Returns how many were. */
-size_t brdffit_cli_skipped(cli_text *text, cli_style style, const size_t *skipped,
+size_t brdffit_cli_skipped(struct cli_text *text, struct cli_style style, const size_t *skipped,
                            const brdffit_table *table, double max_incidence);
 
 /* "1,234,567". */
-void brdffit_cli_grouped(cli_text *text, size_t number);
+void brdffit_cli_grouped(struct cli_text *text, size_t number);
 
 /* "0.31 ms", "2.4 s", for a paragraph. */
-void brdffit_cli_duration(cli_text *text, double seconds);
+void brdffit_cli_duration(struct cli_text *text, double seconds);
 
 /* `value` with `digits` significant digits, rounded so that the text is not
  * above it (up = 0) or not below it (up = 1): what is claimed stays true. */
-void brdffit_cli_directed(cli_text *text, double value, int digits, int up);
+void brdffit_cli_directed(struct cli_text *text, double value, int digits, int up);
 
 /* What a norm minimises, as a noun: "E²", "sum of absolute residuals", "maximum absolute residual". */
-const char *brdffit_cli_objective(cli_style style, brdffit_norm norm);
+const char *brdffit_cli_objective(struct cli_style style, brdffit_norm norm);
 
 #endif

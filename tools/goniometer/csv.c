@@ -12,11 +12,11 @@ static const double azimuths[] = {0, 10, 30, 90, 180};
 #define ELEVATIONS 15
 #define ELEVATION_STEP 5.0
 
-typedef struct sample {
+struct sample {
     double theta_i, phi_i, theta_o, phi_o; /* degrees */
     double exact[GONIO_CHANNELS];
     double value[GONIO_CHANNELS];
-} sample;
+};
 
 static void direction(double theta, double phi, double out[3])
 {
@@ -27,11 +27,11 @@ static void direction(double theta, double phi, double out[3])
 }
 
 /* The mirror direction is theta_i = theta_o at phi_i = 0. */
-static void expose(const gonio_material *material, sample *samples)
+static void expose(const struct gonio_material *material, struct sample *samples)
 {
-    sample *s = samples;
-    for (size_t v = 0; v < sizeof views / sizeof *views; v++)
-        for (int e = 0; e < ELEVATIONS; e++)
+    struct sample *s = samples;
+    for (size_t v = 0; v < sizeof views / sizeof *views; v++) {
+        for (int e = 0; e < ELEVATIONS; e++) {
             for (size_t a = 0; a < sizeof azimuths / sizeof *azimuths; a++, s++) {
                 double light[3], view[3];
                 s->theta_i = ELEVATION_STEP * e;
@@ -40,27 +40,33 @@ static void expose(const gonio_material *material, sample *samples)
                 s->phi_o = 180;
                 direction(s->theta_i, s->phi_i, light);
                 direction(s->theta_o, s->phi_o, view);
-                for (int k = 0; k < GONIO_CHANNELS; k++)
+                for (int k = 0; k < GONIO_CHANNELS; k++) {
                     s->exact[k] = brdffit_gonio_brdf(material, k, light, view);
+                }
             }
+        }
+    }
 }
 
-static void disturb(const gonio_recipe *recipe, gonio_random *random, sample *samples)
+static void disturb(const struct gonio_recipe *recipe, struct gonio_random *random, struct sample *samples)
 {
-    for (int i = 0; i < GONIO_SAMPLES; i++)
+    for (int i = 0; i < GONIO_SAMPLES; i++) {
         for (int k = 0; k < GONIO_CHANNELS; k++) {
-            sample *const s = &samples[i];
+            struct sample *const s = &samples[i];
             s->value[k] = s->exact[k];
-            if (recipe->relative_noise > 0)
+            if (recipe->relative_noise > 0) {
                 s->value[k] *= 1 + recipe->relative_noise * brdffit_gonio_normal(random);
-            if (recipe->absolute_noise > 0)
+            }
+            if (recipe->absolute_noise > 0) {
                 s->value[k] += recipe->absolute_noise * brdffit_gonio_normal(random);
+            }
         }
+    }
 }
 
 /* Stray light: anything between a half and one and a half of the channel's
  * largest value, in exactly round(fraction N) samples, each picked once. */
-static void spoil(const gonio_recipe *recipe, gonio_random *random, sample *samples,
+static void spoil(const struct gonio_recipe *recipe, struct gonio_random *random, struct sample *samples,
                   unsigned char *wrong)
 {
     size_t order[GONIO_SAMPLES];
@@ -68,59 +74,63 @@ static void spoil(const gonio_recipe *recipe, gonio_random *random, sample *samp
     const size_t count = (size_t)(recipe->outliers * GONIO_SAMPLES + 0.5);
     for (size_t i = 0; i < GONIO_SAMPLES; i++) {
         order[i] = i;
-        for (int k = 0; k < GONIO_CHANNELS; k++)
+        for (int k = 0; k < GONIO_CHANNELS; k++) {
             largest[k] = fmax(largest[k], samples[i].exact[k]);
+        }
     }
     for (size_t i = 0; i < count; i++) {
         const size_t pick = i + brdffit_gonio_below(random, GONIO_SAMPLES - i);
         const size_t index = order[pick];
         order[pick] = order[i];
         wrong[index] = 1;
-        for (int k = 0; k < GONIO_CHANNELS; k++)
+        for (int k = 0; k < GONIO_CHANNELS; k++) {
             samples[index].value[k] = largest[k] * (0.5 + brdffit_gonio_uniform(random));
+        }
     }
 }
 
-static void truth_lines(gonio_file *file, const gonio_recipe *recipe, uint64_t seed)
+static void truth_lines(struct gonio_file *file, const struct gonio_recipe *recipe, uint64_t seed)
 {
-    const gonio_material *const m = recipe->material;
+    const struct gonio_material *const m = recipe->material;
     brdffit_gonio_printf(file, "# synthetic: %s\n", m->description);
     if (m->model == GONIO_TWO_BECKMANN) {
         brdffit_gonio_printf(file, "# truth: sigma %.15g %.15g\n", m->sigma[0], m->sigma[1]);
-        for (int k = 0; k < GONIO_CHANNELS; k++)
-            brdffit_gonio_printf(file, "# truth: channel %c: x %.15g, y %.15g %.15g\n", "rgb"[k],
-                                 m->x[k], m->y[k][0], m->y[k][1]);
-    } else if (m->model == GONIO_GGX_FRESNEL)
-        brdffit_gonio_printf(file, "# truth: GGX alpha %.15g, F0 %.15g %.15g %.15g\n", m->sigma[0],
-                             m->y[0][0], m->y[1][0], m->y[2][0]);
-    else
-        brdffit_gonio_printf(file, "# truth: sigma %.15g rad, albedo %.15g %.15g %.15g\n",
-                             m->sigma[0], m->x[0], m->x[1], m->x[2]);
+        for (int k = 0; k < GONIO_CHANNELS; k++) {
+            brdffit_gonio_printf(file, "# truth: channel %c: x %.15g, y %.15g %.15g\n", "rgb"[k], m->x[k], m->y[k][0],
+                                 m->y[k][1]);
+        }
+    } else if (m->model == GONIO_GGX_FRESNEL) {
+        brdffit_gonio_printf(file, "# truth: GGX alpha %.15g, F0 %.15g %.15g %.15g\n", m->sigma[0], m->y[0][0],
+                             m->y[1][0], m->y[2][0]);
+    } else {
+        brdffit_gonio_printf(file, "# truth: sigma %.15g rad, albedo %.15g %.15g %.15g\n", m->sigma[0], m->x[0],
+                             m->x[1], m->x[2]);
+    }
     brdffit_gonio_printf(file, "# noise: %.15g relative, %.15g 1/sr absolute; outliers: %.15g\n",
                          recipe->relative_noise, recipe->absolute_noise, recipe->outliers);
-    brdffit_gonio_printf(file, "# seed: %llu; angles in degrees, values f_r in 1/sr\n",
-                         (unsigned long long)seed);
+    brdffit_gonio_printf(file, "# seed: %llu; angles in degrees, values f_r in 1/sr\n", (unsigned long long)seed);
 }
 
-void brdffit_gonio_csv(gonio_file *file, const gonio_recipe *recipe, uint64_t seed,
-                       unsigned char *wrong)
+void brdffit_gonio_csv(struct gonio_file *file, const struct gonio_recipe *recipe, uint64_t seed, unsigned char *wrong)
 {
-    sample samples[GONIO_SAMPLES];
-    gonio_random random = brdffit_gonio_random(seed, recipe->stream);
+    struct sample samples[GONIO_SAMPLES];
+    struct gonio_random random = brdffit_gonio_random(seed, recipe->stream);
     /* An instrument records nine digits; the exact file has them all. */
     const int exact = !(recipe->relative_noise > 0) && !(recipe->absolute_noise > 0);
     memset(wrong, 0, GONIO_SAMPLES);
     expose(recipe->material, samples);
     disturb(recipe, &random, samples);
-    if (recipe->outliers > 0)
+    if (recipe->outliers > 0) {
         spoil(recipe, &random, samples, wrong);
+    }
     truth_lines(file, recipe, seed);
     brdffit_gonio_printf(file, "theta_i,phi_i,theta_o,phi_o,r,g,b\n");
     for (int i = 0; i < GONIO_SAMPLES; i++) {
-        const sample *const s = &samples[i];
+        const struct sample *const s = &samples[i];
         brdffit_gonio_printf(file, "%g,%g,%g,%g", s->theta_i, s->phi_i, s->theta_o, s->phi_o);
-        for (int k = 0; k < GONIO_CHANNELS; k++)
+        for (int k = 0; k < GONIO_CHANNELS; k++) {
             brdffit_gonio_printf(file, ",%.*g", exact ? 17 : 9, s->value[k]);
+        }
         brdffit_gonio_printf(file, "\n");
     }
 }

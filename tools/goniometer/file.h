@@ -6,22 +6,22 @@
 #include <stddef.h>
 
 /* Zero-initialise. After memory has run out `failed` stays 1. */
-typedef struct gonio_file {
+struct gonio_file {
     char *data;
     size_t size;
     size_t capacity;
     int failed;
-} gonio_file;
+};
 
-void brdffit_gonio_add(gonio_file *file, const void *bytes, size_t size);
+void brdffit_gonio_add(struct gonio_file *file, const void *bytes, size_t size);
 
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-void brdffit_gonio_printf(gonio_file *file, const char *format, ...);
+void brdffit_gonio_printf(struct gonio_file *file, const char *format, ...);
 
 /* Write to FOLDER/NAME, by way of a temporary file and a rename, and release
  * the content. 0 on success; otherwise the reason is on standard error. */
-int brdffit_gonio_write(gonio_file *file, const char *folder, const char *name);
+int brdffit_gonio_write(struct gonio_file *file, const char *folder, const char *name);
 
 #endif

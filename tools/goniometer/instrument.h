@@ -12,26 +12,24 @@
 /* Four views, fifteen light elevations, five azimuths. */
 #define GONIO_SAMPLES 300
 
-typedef struct gonio_recipe {
+struct gonio_recipe {
     const char *name; /* of the file */
-    const gonio_material *material;
+    const struct gonio_material *material;
     double relative_noise; /* standard deviation, as a fraction of the value */
     double absolute_noise; /* standard deviation, 1/sr */
     double outliers;       /* fraction of samples that are grossly wrong */
     uint64_t stream;       /* of random numbers */
-} gonio_recipe;
+};
 
 /* A table of directions and f_r, truth in its comment lines. `wrong`, of
  * GONIO_SAMPLES entries, is set to 1 for outliers. */
-void brdffit_gonio_csv(gonio_file *file, const gonio_recipe *recipe, uint64_t seed,
-                       unsigned char *wrong);
+void brdffit_gonio_csv(struct gonio_file *file, const struct gonio_recipe *recipe, uint64_t seed, unsigned char *wrong);
 
 /* A table in MERL's layout: noise-free, entries at the lower edges of their
  * bins, some cells masked. */
 #define GONIO_HALF_BINS 30
 #define GONIO_DIFFERENCE_BINS 15
 #define GONIO_AZIMUTH_BINS 30
-void brdffit_gonio_merl(gonio_file *file, const gonio_material *material, uint64_t seed,
-                        uint64_t stream);
+void brdffit_gonio_merl(struct gonio_file *file, const struct gonio_material *material, uint64_t seed, uint64_t stream);
 
 #endif

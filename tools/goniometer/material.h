@@ -8,26 +8,26 @@
 
 #define GONIO_CHANNELS 3
 
-typedef enum gonio_model {
+enum gonio_model {
     GONIO_TWO_BECKMANN, /* the model of brdffit.h with two lobes */
     GONIO_GGX_FRESNEL,  /* GGX, Smith shadowing, Schlick's Fresnel: no sum of lobes fits it */
     GONIO_ROUGH_MATTE   /* Oren and Nayar's qualitative model */
-} gonio_model;
+};
 
-typedef struct gonio_material {
-    gonio_model model;
+struct gonio_material {
+    enum gonio_model model;
     const char *description;
     double sigma[2];             /* TWO_BECKMANN: roughness; GGX: alpha; MATTE: sigma in radians */
     double x[GONIO_CHANNELS];    /* diffuse coefficient, or albedo */
     double y[GONIO_CHANNELS][2]; /* TWO_BECKMANN: specular; GGX: y[k][0] is F0 */
-} gonio_material;
+};
 
-extern const gonio_material brdffit_gonio_satin;
-extern const gonio_material brdffit_gonio_metal;
-extern const gonio_material brdffit_gonio_matte;
+extern const struct gonio_material brdffit_gonio_satin;
+extern const struct gonio_material brdffit_gonio_metal;
+extern const struct gonio_material brdffit_gonio_matte;
 
 /* f_r of one channel for unit vectors above the horizon, normal +z. */
-double brdffit_gonio_brdf(const gonio_material *material, int channel, const double light[3],
+double brdffit_gonio_brdf(const struct gonio_material *material, int channel, const double light[3],
                           const double view[3]);
 
 #endif

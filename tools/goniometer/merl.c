@@ -22,21 +22,23 @@
 
 static const double factors[GONIO_CHANNELS] = {1 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0};
 
-static void put_int32(gonio_file *file, uint32_t value)
+static void put_int32(struct gonio_file *file, uint32_t value)
 {
     unsigned char bytes[4];
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         bytes[i] = (unsigned char)(value >> (8 * i));
+    }
     brdffit_gonio_add(file, bytes, sizeof bytes);
 }
 
-static void put_float64(gonio_file *file, double value)
+static void put_float64(struct gonio_file *file, double value)
 {
     uint64_t bits;
     unsigned char bytes[8];
     memcpy(&bits, &value, sizeof bits);
-    for (int i = 0; i < 8; i++)
+    for (int i = 0; i < 8; i++) {
         bytes[i] = (unsigned char)(bits >> (8 * i));
+    }
     brdffit_gonio_add(file, bytes, sizeof bytes);
 }
 
@@ -59,29 +61,31 @@ static void directions(int h, int d, int p, double light[3], double view[3])
     }
 }
 
-static double cell(const gonio_material *material, int channel, int h, int d, int p)
+static double cell(const struct gonio_material *material, int channel, int h, int d, int p)
 {
     double light[3], view[3];
     directions(h, d, p, light, view);
-    if (d == GONIO_DIFFERENCE_BINS - 1 || !(light[2] > 1e-12) || !(view[2] > 1e-12))
+    if (d == GONIO_DIFFERENCE_BINS - 1 || !(light[2] > 1e-12) || !(view[2] > 1e-12)) {
         return -1;
+    }
     return brdffit_gonio_brdf(material, channel, light, view) / factors[channel];
 }
 
-void brdffit_gonio_merl(gonio_file *file, const gonio_material *material, uint64_t seed,
-                        uint64_t stream)
+void brdffit_gonio_merl(struct gonio_file *file, const struct gonio_material *material, uint64_t seed, uint64_t stream)
 {
     put_int32(file, GONIO_HALF_BINS);
     put_int32(file, GONIO_DIFFERENCE_BINS);
     put_int32(file, GONIO_AZIMUTH_BINS);
     for (int k = 0; k < GONIO_CHANNELS; k++) {
         /* The same stream for every channel: a cell is masked in all. */
-        gonio_random random = brdffit_gonio_random(seed, stream);
-        for (int h = 0; h < GONIO_HALF_BINS; h++)
-            for (int d = 0; d < GONIO_DIFFERENCE_BINS; d++)
+        struct gonio_random random = brdffit_gonio_random(seed, stream);
+        for (int h = 0; h < GONIO_HALF_BINS; h++) {
+            for (int d = 0; d < GONIO_DIFFERENCE_BINS; d++) {
                 for (int p = 0; p < GONIO_AZIMUTH_BINS; p++) {
                     const int masked = brdffit_gonio_uniform(&random) < MASKED_FRACTION;
                     put_float64(file, masked ? -1 : cell(material, k, h, d, p));
                 }
+            }
+        }
     }
 }

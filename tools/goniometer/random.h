@@ -6,21 +6,21 @@
 #include <stddef.h>
 #include <stdint.h>
 
-typedef struct gonio_random {
+struct gonio_random {
     uint64_t state;
-} gonio_random;
+};
 
 /* Stream number `stream` of a seed: what one file draws does not move the
  * numbers of another. */
-gonio_random brdffit_gonio_random(uint64_t seed, uint64_t stream);
+struct gonio_random brdffit_gonio_random(uint64_t seed, uint64_t stream);
 
 /* Uniform in (0, 1). */
-double brdffit_gonio_uniform(gonio_random *random);
+double brdffit_gonio_uniform(struct gonio_random *random);
 
 /* Standard normal, by Box and Muller. */
-double brdffit_gonio_normal(gonio_random *random);
+double brdffit_gonio_normal(struct gonio_random *random);
 
 /* Uniform in 0 .. count - 1. */
-size_t brdffit_gonio_below(gonio_random *random, size_t count);
+size_t brdffit_gonio_below(struct gonio_random *random, size_t count);
 
 #endif

@@ -5,11 +5,11 @@
 
 #include "instrument.h"
 
-void brdffit_gonio_truth_begin(gonio_file *file, uint64_t seed);
+void brdffit_gonio_truth_begin(struct gonio_file *file, uint64_t seed);
 
 /* `wrong` NULL: no outliers (a MERL table). */
-void brdffit_gonio_truth_add(gonio_file *file, const gonio_recipe *recipe,
-                             const unsigned char *wrong, int first);
-void brdffit_gonio_truth_end(gonio_file *file);
+void brdffit_gonio_truth_add(struct gonio_file *file, const struct gonio_recipe *recipe, const unsigned char *wrong,
+                             int first);
+void brdffit_gonio_truth_end(struct gonio_file *file);
 
 #endif

@@ -89,7 +89,8 @@ static int survives_environments(const brdffit_samples *samples, const brdffit_o
         after = mode_now();
         set_mode(callers);
         if (status != BRDFFIT_OK || after != modes[i] || !same_bits(first, &result)) {
-            fprintf(stderr, "stress_fit: environment %#x: status %d, left as %#x, or other bits\n", modes[i], status, after);
+            fprintf(stderr, "stress_fit: environment %#x: status %d, left as %#x, or other bits\n", modes[i], status,
+                    after);
             return 0;
         }
     }
@@ -179,8 +180,8 @@ static int fit_file(const char *file, const brdffit_options *options)
     } else {
         copy = copy_of(&result);
         /* A long search is not run ten times. */
-        print_result(file, &copy, result.boxes > 30000 ||
-                                      survives_environments(&table->samples, options, workspace, size, &copy),
+        print_result(file, &copy,
+                     result.boxes > 30000 || survives_environments(&table->samples, options, workspace, size, &copy),
                      bound_at_rounding(&table->samples, options));
         free(copy.arrays);
     }

@@ -15,7 +15,8 @@ struct bound_lp_lobe {
     double scale[2];             /* power of two that upper and lower were divided by */
     double least;                /* no column of the interval has a smaller norm; 0 when the lobe is absent */
     double change;               /* norm of what the ends differ by, relative: which lobe had better be split */
-    double place, tilt;          /* of the centre: its column is tilt^-1 times one that lies `place` between the ends */
+    double place, tilt;          /* of the centre: its column is tilt^-1 times one that lies `place` between the
+                                    ends */
 };
 
 struct bound_lp {
@@ -35,8 +36,8 @@ void brdffit_bound_lp_layout(struct bound_lp *engine, struct arena *arena, size_
                              brdffit_norm norm);
 
 /* Allocates (ECOS does). `restricted` must be started. */
-brdffit_status brdffit_bound_lp_start(struct bound_lp *engine, struct l1_linf *restricted,
-                                      const struct axis *axis, int cheap);
+brdffit_status brdffit_bound_lp_start(struct bound_lp *engine, struct l1_linf *restricted, const struct axis *axis,
+                                      int cheap);
 void brdffit_bound_lp_finish(struct bound_lp *engine);
 
 /* bound() of struct engine; self is a struct bound_lp. */

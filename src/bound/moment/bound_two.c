@@ -68,7 +68,8 @@ static void open_view(struct view *v, struct bound_moment *e, const struct box *
 static int finite_shifts(const struct view *v)
 {
     const struct gains_two *g = &v->gains;
-    int finite = isfinite(g->fall[0][0]) && isfinite(g->fall[1][1]) && isfinite(g->fall[2][0]) && isfinite(g->fall[2][1]);
+    int finite = isfinite(g->fall[0][0]) && isfinite(g->fall[1][1]) && isfinite(g->fall[2][0]) &&
+                 isfinite(g->fall[2][1]);
     size_t k;
 
     for (k = 0; k < g->channels; k++) {

@@ -128,7 +128,8 @@ static void add_channel(const struct descender *d, const struct spot *s, size_t 
     unsigned support;
     int p, q, i;
 
-    t[0] = m->data->aa > 0.0 ? m->data->bound_root[k] * m->data->ai[m->data->bound_channel[k]] / sqrt(m->data->aa) : 0.0;
+    t[0] = m->data->aa > 0.0 ? m->data->bound_root[k] * m->data->ai[m->data->bound_channel[k]] / sqrt(m->data->aa)
+                             : 0.0;
     for (p = 0; p < d->lobes; p++) {
         tau[p] = tau_of(m, s->node[p], k);
         t[1 + p] = tau[p].value;
@@ -148,8 +149,7 @@ static void add_channel(const struct descender *d, const struct spot *s, size_t 
         reduce(&s->nnls.support[support], v, w[p]);
         j->gradient[p] += 2.0 * z[1 + p] * v[1 + p];
         if (z[1 + p] > 0.0) {
-            j->hessian[p][p] +=
-                2.0 * z[1 + p] * (tau[p].second - s->kappa[p].second * z[0] - s->mu_second[p] * other);
+            j->hessian[p][p] += 2.0 * z[1 + p] * (tau[p].second - s->kappa[p].second * z[0] - s->mu_second[p] * other);
         }
     }
     for (p = 0; p < d->lobes; p++) {

@@ -136,8 +136,7 @@ static void fill(struct intervals *t, struct interval *v)
 
         e = functional_curvature(t, v, 0, curvature);
         v->kappa_inf = larger(0.0, kappa_inf - epsilon);
-        v->kappa_shift =
-            v->eighth * smaller(e.high / a_norm, v->root_m4 - DOWN * (curvature.low * kappa_inf));
+        v->kappa_shift = v->eighth * smaller(e.high / a_norm, v->root_m4 - DOWN * (curvature.low * kappa_inf));
     }
     for (k = 0; k < K; k++) {
         double sup = v->low->functional[1 + k].f0 / v->high->root, curved;
@@ -170,8 +169,8 @@ static void fill_point(struct intervals *t, struct interval *v)
     }
 }
 
-struct interval *brdffit_interval(struct intervals *t, uint32_t index, uint32_t low, uint32_t high,
-                                  double theta_low, double theta_high)
+struct interval *brdffit_interval(struct intervals *t, uint32_t index, uint32_t low, uint32_t high, double theta_low,
+                                  double theta_high)
 {
     struct interval *v = &t->interval[index];
     size_t K = t->moments->data->bounded;
@@ -225,8 +224,7 @@ void brdffit_interval_refine(struct intervals *t, struct interval *v, const stru
     }
 }
 
-double brdffit_pair_shift(struct intervals *t, const struct interval *first, const struct interval *second,
-                          int which)
+double brdffit_pair_shift(struct intervals *t, const struct interval *first, const struct interval *second, int which)
 {
     const struct interval *side = which ? second : first;
     const struct pair *corner, *far;

@@ -45,7 +45,7 @@ void brdffit_interval_refine(struct intervals *intervals, struct interval *whole
  * sup over the box first x second of the second derivative of mu by the variable of `first` (which = 0) or of
  * `second` (which = 1), times that side's `eighth`: how far mu may fall below its chord.
  */
-double brdffit_pair_shift(struct intervals *intervals, const struct interval *first,
-                          const struct interval *second, int which);
+double brdffit_pair_shift(struct intervals *intervals, const struct interval *first, const struct interval *second,
+                          int which);
 
 #endif

@@ -68,13 +68,12 @@ void brdffit_general_functional(struct moments *m, const struct interval *v, siz
         below += w[j] * phi_u[j] * (r.square_low + r.slope_low);
         above += w[j] * phi_l[j] * (r.square_high + r.slope_high);
     }
-    *high = UP * above / v->high->root -
-            DOWN * curvature_low * (v->high->functional[f].f0 / v->low->root);
+    *high = UP * above / v->high->root - DOWN * curvature_low * (v->high->functional[f].f0 / v->low->root);
     *low = DOWN * below / v->low->root - UP * curvature_high * (v->low->functional[f].f0 / v->high->root);
 }
 
-double brdffit_general_pair(struct moments *m, const struct interval *first, const struct interval *second,
-                            int which, double mu_inf)
+double brdffit_general_pair(struct moments *m, const struct interval *first, const struct interval *second, int which,
+                            double mu_inf)
 {
     const struct reduced *data = m->data;
     const struct interval *side = which ? second : first;

@@ -11,11 +11,11 @@
 void brdffit_general_curvature(struct moments *moments, const struct interval *v, double *low, double *high);
 
 /* [low, high] of the second derivative of functional f; curvature as above. */
-void brdffit_general_functional(struct moments *moments, const struct interval *v, size_t f,
-                                double curvature_low, double curvature_high, double *low, double *high);
+void brdffit_general_functional(struct moments *moments, const struct interval *v, size_t f, double curvature_low,
+                                double curvature_high, double *low, double *high);
 
 /* sup of the second derivative of mu by the variable of one side. */
-double brdffit_general_pair(struct moments *moments, const struct interval *first,
-                            const struct interval *second, int which, double mu_inf);
+double brdffit_general_pair(struct moments *moments, const struct interval *first, const struct interval *second,
+                            int which, double mu_inf);
 
 #endif

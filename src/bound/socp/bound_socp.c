@@ -82,8 +82,7 @@ static void make_pattern(struct bound_socp *e)
     e->program.row = e->row;
 }
 
-brdffit_status brdffit_bound_socp_start(struct bound_socp *e, struct varpro *varpro, const struct axis *axis,
-                                        int cheap)
+brdffit_status brdffit_bound_socp_start(struct bound_socp *e, struct varpro *varpro, const struct axis *axis, int cheap)
 {
     brdffit_status status;
 

@@ -107,7 +107,8 @@ static brdffit_status description(struct cursor *c, brdffit_array *array)
     c->at = text; /* errors below are about the string */
     if (length != 3 || !strchr("<>|=", text[0]) || text[2] < '1' || text[2] > '8' ||
         !known_type(text[1], text[2] - '0')) {
-        return refuse(c, "the NPY array is of a type that is not bool, (u)int8 to 64 or float16 to 64 (value: at byte)");
+        return refuse(c,
+                      "the NPY array is of a type that is not bool, (u)int8 to 64 or float16 to 64 (value: at byte)");
     }
     if (text[0] == '=' || (text[0] == '|' && text[2] != '1')) {
         return refuse(c, "the NPY header does not say the byte order (value: at byte)");

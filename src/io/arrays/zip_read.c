@@ -72,9 +72,9 @@ static brdffit_status find_end(const struct io_store *store, unsigned char end[E
         }
     }
     brdffit_io_release(bytes);
-    return status != BRDFFIT_OK ? status
-                                : damaged(error, "the .npz has no end record: it is truncated (value: bytes found)",
-                                          store->size);
+    return status != BRDFFIT_OK
+               ? status
+               : damaged(error, "the .npz has no end record: it is truncated (value: bytes found)", store->size);
 }
 
 /* Replace numbers that did not fit by those of the zip64 end record before `at`. */

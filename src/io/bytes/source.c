@@ -36,8 +36,7 @@ static const char *reason(int code)
     }
 }
 
-static brdffit_status system_failure(brdffit_error *error, brdffit_status status, const char *general,
-                                     int saved)
+static brdffit_status system_failure(brdffit_error *error, brdffit_status status, const char *general, int saved)
 {
     const char *message = reason(errno);
 
@@ -135,8 +134,7 @@ brdffit_status brdffit_io_source_open(const char *path, int *descriptor, uint64_
     return status;
 }
 
-brdffit_status brdffit_io_source_read(const char *path, size_t limit, struct io_bytes *out,
-                                      brdffit_error *error)
+brdffit_status brdffit_io_source_read(const char *path, size_t limit, struct io_bytes *out, brdffit_error *error)
 {
     int saved = errno;
     int standard_input = strcmp(path, "-") == 0;

@@ -14,7 +14,7 @@
 #include "io/csv/number.h"
 
 static const char *const role_name[CSV_ROLE_COUNT] = {
-    "theta_i", "phi_i", "theta_o", "phi_o", "lx", "ly", "lz", "vx", "vy",
+    "theta_i", "phi_i", "theta_o", "phi_o", "lx", "ly", "lz", "vx",     "vy",
     "vz",      "nx",    "ny",      "nz",    "a",  "b",  "c",  "weight",
 };
 

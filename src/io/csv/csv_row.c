@@ -61,10 +61,9 @@ static brdffit_status fail_number(const struct row *row, size_t column, size_t c
 
 static brdffit_status fail_split(const struct row *row, enum io_split split, size_t field)
 {
-    return fail_field(row, field - 1, BRDFFIT_NONE, BRDFFIT_ERR_FORMAT,
-                      split == IO_SPLIT_UNTERMINATED ? "a quote is not closed on its line"
-                                                     : "text follows a closing quote",
-                      0.0);
+    return fail_field(
+        row, field - 1, BRDFFIT_NONE, BRDFFIT_ERR_FORMAT,
+        split == IO_SPLIT_UNTERMINATED ? "a quote is not closed on its line" : "text follows a closing quote", 0.0);
 }
 
 /* Numbers of the line: directions and weight into row->value, channels into their place in the table. */
@@ -173,9 +172,8 @@ static brdffit_status store(struct row *row)
     return store_coefficients(row);
 }
 
-brdffit_status brdffit_io_csv_row(const struct io_field *line, size_t line_number,
-                                  const struct csv_layout *layout, const void *c_locale, struct io_table *table,
-                                  brdffit_error *error)
+brdffit_status brdffit_io_csv_row(const struct io_field *line, size_t line_number, const struct csv_layout *layout,
+                                  const void *c_locale, struct io_table *table, brdffit_error *error)
 {
     struct row row;
     size_t found;

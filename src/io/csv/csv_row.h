@@ -10,8 +10,7 @@
  * Parse `line` and store it as sample table->open.samples.count, for which there is room, or count it as
  * dropped. `c_locale` as in number.h.
  */
-brdffit_status brdffit_io_csv_row(const struct io_field *line, size_t line_number,
-                                  const struct csv_layout *layout, const void *c_locale, struct io_table *table,
-                                  brdffit_error *error);
+brdffit_status brdffit_io_csv_row(const struct io_field *line, size_t line_number, const struct csv_layout *layout,
+                                  const void *c_locale, struct io_table *table, brdffit_error *error);
 
 #endif

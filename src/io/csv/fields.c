@@ -106,8 +106,8 @@ static void plain_field(const char **at, const char *end, char separator, struct
     field->quoted = 0;
 }
 
-enum io_split brdffit_io_split(const struct io_field *line, char separator, struct io_field *fields,
-                               size_t capacity, size_t *count)
+enum io_split brdffit_io_split(const struct io_field *line, char separator, struct io_field *fields, size_t capacity,
+                               size_t *count)
 {
     const char *at = line->text, *end = at + line->length;
 

@@ -33,7 +33,7 @@ enum io_split { IO_SPLIT_OK = 0, IO_SPLIT_UNTERMINATED, IO_SPLIT_AFTER_QUOTE };
  * Split a line. Blanks around a field are stripped, quotes removed. *count becomes the number of fields
  * found; the first `capacity` of them are stored. On failure *count is the number of the field at fault, from 1.
  */
-enum io_split brdffit_io_split(const struct io_field *line, char separator, struct io_field *fields,
-                               size_t capacity, size_t *count);
+enum io_split brdffit_io_split(const struct io_field *line, char separator, struct io_field *fields, size_t capacity,
+                               size_t *count);
 
 #endif

@@ -147,8 +147,8 @@ static int convert_fast(const struct scan *scan, double *value)
                                                       1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
     double exact = (double)scan->digits;
 
-    if (scan->count > MAX_EXACT_DIGITS || scan->digits > (uint64_t)1 << DBL_MANT_DIG ||
-        scan->scale > MAX_EXACT_SCALE || scan->scale < -MAX_EXACT_SCALE) {
+    if (scan->count > MAX_EXACT_DIGITS || scan->digits > (uint64_t)1 << DBL_MANT_DIG || scan->scale > MAX_EXACT_SCALE ||
+        scan->scale < -MAX_EXACT_SCALE) {
         return 0;
     }
     exact = scan->scale < 0 ? exact / power[-scan->scale] : exact * power[scan->scale];

@@ -43,8 +43,7 @@ static brdffit_status size_wrong(brdffit_error *error, const char *message, doub
     return brdffit_io_fail_value(error, BRDFFIT_ERR_FORMAT, message, value);
 }
 
-brdffit_status brdffit_io_merl_open(const unsigned char *data, size_t size, struct merl *merl,
-                                    brdffit_error *error)
+brdffit_status brdffit_io_merl_open(const unsigned char *data, size_t size, struct merl *merl, brdffit_error *error)
 {
     int32_t dims[3];
     uint64_t expected;

@@ -20,8 +20,7 @@ struct merl {
 };
 
 /* Check the header against the true size. `error` may be NULL. */
-brdffit_status brdffit_io_merl_open(const unsigned char *data, size_t size, struct merl *merl,
-                                    brdffit_error *error);
+brdffit_status brdffit_io_merl_open(const unsigned char *data, size_t size, struct merl *merl, brdffit_error *error);
 
 /* 1 when the twelve bytes are positive dimensions whose table would not overflow the largest file. */
 int brdffit_io_merl_plausible(const unsigned char *data);
@@ -29,8 +28,8 @@ int brdffit_io_merl_plausible(const unsigned char *data);
 /* Little-endian bits on any host; compilers make one load of it. */
 static inline uint64_t brdffit_io_merl_bits(const unsigned char *p)
 {
-    return (uint64_t)p[0] | (uint64_t)p[1] << 8 | (uint64_t)p[2] << 16 | (uint64_t)p[3] << 24 |
-           (uint64_t)p[4] << 32 | (uint64_t)p[5] << 40 | (uint64_t)p[6] << 48 | (uint64_t)p[7] << 56;
+    return (uint64_t)p[0] | (uint64_t)p[1] << 8 | (uint64_t)p[2] << 16 | (uint64_t)p[3] << 24 | (uint64_t)p[4] << 32 |
+           (uint64_t)p[5] << 40 | (uint64_t)p[6] << 48 | (uint64_t)p[7] << 56;
 }
 
 /* Entry of one plane, unscaled. */
@@ -65,8 +64,8 @@ brdffit_status brdffit_io_merl_sum(const unsigned char *data, size_t size, const
 /* Parts of brdffit_io_merl_read(): every cell (merl_table.c), or the cells of directions (merl_lookup.c). */
 brdffit_status brdffit_io_merl_all(const struct merl *merl, brdffit_io_merl_bins bins, struct io_table *table,
                                    brdffit_error *error);
-brdffit_status brdffit_io_merl_at(const struct merl *merl, const brdffit_samples *directions,
-                                  struct io_table *table, brdffit_error *error);
+brdffit_status brdffit_io_merl_at(const struct merl *merl, const brdffit_samples *directions, struct io_table *table,
+                                  brdffit_error *error);
 
 /*
  * Index of the cell that unit vectors l and v around the normal +z fall into, both above the horizon.

@@ -186,8 +186,8 @@ static void look_up(const struct merl *merl, const brdffit_samples *at, size_t i
     table->open.samples.count++;
 }
 
-brdffit_status brdffit_io_merl_at(const struct merl *merl, const brdffit_samples *directions,
-                                  struct io_table *table, brdffit_error *error)
+brdffit_status brdffit_io_merl_at(const struct merl *merl, const brdffit_samples *directions, struct io_table *table,
+                                  brdffit_error *error)
 {
     size_t i;
 

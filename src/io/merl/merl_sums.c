@@ -51,8 +51,8 @@ static brdffit_status add_rows(const struct merl *merl, const struct merl_axis a
     return status;
 }
 
-static brdffit_status sum_table(const struct merl *merl, const brdffit_io_options *options,
-                                const brdffit_options *fit, struct io_table *table, brdffit_error *error)
+static brdffit_status sum_table(const struct merl *merl, const brdffit_io_options *options, const brdffit_options *fit,
+                                struct io_table *table, brdffit_error *error)
 {
     size_t size = brdffit_sums_size(MERL_CHANNELS, merl->dims[0]), cells[BRDFFIT_CELL_COUNT] = {0, 0, 0};
     struct merl_axis axis[3];

@@ -29,7 +29,8 @@ static void axis_free(struct merl_axis *axis)
 }
 
 /* theta_h spends its bins near 0: the square of the fraction. phi_d spans two right angles. */
-static void axis_fill(struct merl_axis *axis, size_t bins, brdffit_io_merl_bins convention, int squared, int right_angles)
+static void axis_fill(struct merl_axis *axis, size_t bins, brdffit_io_merl_bins convention, int squared,
+                      int right_angles)
 {
     uint64_t step = convention == BRDFFIT_IO_MERL_CENTRE ? 2 : 1, n = step * bins, i;
 

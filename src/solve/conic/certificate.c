@@ -161,8 +161,8 @@ static double worst(const struct sum *r, double lower, double upper)
     return fmin(fmin(product(low, lower), product(low, upper)), fmin(product(high, lower), product(high, upper)));
 }
 
-double brdffit_socp_certified_bound(const struct conic_shape *shape, const struct conic_data *data,
-                                    const double *lower, const double *upper, double *z)
+double brdffit_socp_certified_bound(const struct conic_shape *shape, const struct conic_data *data, const double *lower,
+                                    const double *upper, double *z)
 {
     struct sum bound = {0.0, 0.0, 0.0};
     size_t rows = brdffit_conic_rows(shape);

@@ -48,7 +48,7 @@ size_t brdffit_conic_entries(const struct conic_shape *shape);
  * an infinite limit, or something overflows. To prove infeasibility, pass a c of zeros: a positive bound
  * says that no x within the limits is feasible.
  */
-double brdffit_socp_certified_bound(const struct conic_shape *shape, const struct conic_data *data,
-                                    const double *lower, const double *upper, double *z);
+double brdffit_socp_certified_bound(const struct conic_shape *shape, const struct conic_data *data, const double *lower,
+                                    const double *upper, double *z);
 
 #endif

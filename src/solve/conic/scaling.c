@@ -204,7 +204,8 @@ void brdffit_scaling_apply(struct scaling *scaling, const struct conic_data *dat
     scaling->h_scale = scale_whole(h, scaling->rows);
 }
 
-void brdffit_scaling_undo(const struct scaling *scaling, const double *scaled_x, const double *scaled_z, double *x, double *z)
+void brdffit_scaling_undo(const struct scaling *scaling, const double *scaled_x, const double *scaled_z, double *x,
+                          double *z)
 {
     size_t i;
 

@@ -42,6 +42,7 @@ void brdffit_scaling_start(struct scaling *scaling, const struct conic_shape *sh
 void brdffit_scaling_apply(struct scaling *scaling, const struct conic_data *data, double *g, double *c, double *h);
 
 /* x and z of the scaled program -> of the caller's. In place is fine. */
-void brdffit_scaling_undo(const struct scaling *scaling, const double *scaled_x, const double *scaled_z, double *x, double *z);
+void brdffit_scaling_undo(const struct scaling *scaling, const double *scaled_x, const double *scaled_z, double *x,
+                          double *z);
 
 #endif
