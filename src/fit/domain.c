@@ -2,13 +2,18 @@
  * The domain of a search: theta = ln s over the options' range, cut where nothing changes any more (theory 4.1) and
  * where no finite coefficient exists. SPDX-License-Identifier: MIT
  *
- * y = z |I| / (|g| factor(s)) with factor = lambda(s) phi(s, c_min), which underflows for a lobe so narrow that no
+ * y = z |I| / (|g| factor(s)) with factor = lambda(s) phi(s, c_min), which vanishes for a lobe so narrow that no
  * sample sees it. Models whose y no double can hold are not models that a caller could be given, so they are outside
  * of the domain (brdffit.h says so); where no lobe of the range has a finite y, the diffuse term is all there is.
+ *
+ * What is claimed is about sigma (the exponent) in a closed range of doubles, and theta is their rounded logarithm: so
+ * the range of theta is wider on each side than what rounding can do to either (TOL_END). A point of the search may be
+ * outside of the claim by as much; the sigma that is published is not, and the result's e2 is that of the latter.
  */
 #include <math.h>
 
 #include "fit/fit.h"
+#include "fit/published.h"
 #include "base/exp.h"
 #include "base/log.h"
 #include "base/tolerance.h"
@@ -27,11 +32,11 @@ static double data_exponent(const struct reduced *data)
     return largest - kernel_log(data->scale_b);
 }
 
-/* Whether every y of a lobe at theta is a finite double. */
+/* Whether every y of a lobe at theta is a finite double; `exponent` from data_exponent(). */
 static int finite_y(struct fit *f, double theta, double exponent)
 {
     const struct reduced *data = &f->data;
-    double u[3], h = 0.0;
+    double u[3], h = 0.0, s = kernel_exp(theta);
     size_t j;
 
     f->kind->variable(data->c_min, theta, u);
@@ -39,7 +44,8 @@ static int finite_y(struct fit *f, double theta, double exponent)
     for (j = 0; j < data->distinct; j++) {
         h += data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]);
     }
-    return exponent - 0.5 * kernel_log(h) + f->kind->exponent(data->c_min, kernel_exp(theta)) <= LIMIT_EXPONENT;
+    exponent += f->kind->exponent(data->c_min, s) - 0.5 * kernel_log(h) - kernel_log(f->kind->lambda(s));
+    return exponent <= LIMIT_EXPONENT;
 }
 
 /* Largest theta of the range with finite y, by bisection; below theta_low when there is none. */
@@ -84,6 +90,21 @@ static void drop_lobes(struct fit *f)
     f->theta_high = f->theta_low; /* and theta_flat stays below: there is no lobe */
 }
 
+double brdffit_fit_outwards(double theta, double steps)
+{
+    return theta + steps * TOL_END * TOL_UNIT * (1.0 + fabs(theta));
+}
+
+/* The options' range of theta, both ends outwards. */
+static void open_range(struct fit *f, const brdffit_options *o)
+{
+    double low = f->kind->by_exponent ? kernel_log(o->exponent_min) : -2.0 * kernel_log(o->sigma_max);
+    double high = f->kind->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min);
+
+    f->theta_low = brdffit_fit_outwards(low, -1.0);
+    f->theta_tail = brdffit_fit_outwards(high, 1.0);
+}
+
 void brdffit_fit_prepare(struct fit *f, const brdffit_options *o)
 {
     struct reduced *data = &f->data;
@@ -91,8 +112,7 @@ void brdffit_fit_prepare(struct fit *f, const brdffit_options *o)
     f->kind = brdffit_lobe_kind_of(o->distribution);
     f->norm = o->norm;
     f->varpro.kernels = brdffit_kernels(o->isa);
-    f->theta_low = f->kind->by_exponent ? kernel_log(o->exponent_min) : -2.0 * kernel_log(o->sigma_max);
-    f->theta_tail = f->kind->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min);
+    open_range(f, o);
     f->theta_flat = f->theta_tail;
     f->theta_high = f->theta_low;
     if (data->bb[0] > 0.0) {
@@ -102,9 +122,12 @@ void brdffit_fit_prepare(struct fit *f, const brdffit_options *o)
         if (f->theta_flat < f->theta_low) {
             drop_lobes(f);
         } else if (tail > 0.0) {
-            f->theta_high = fmax(f->theta_low, fmin(f->theta_flat, isfinite(tail) ? kernel_log(tail) : INFINITY));
+            double end = f->theta_flat < f->theta_tail ? brdffit_fit_outwards(f->theta_flat, 1.0) : f->theta_tail;
+
+            f->theta_high = fmax(f->theta_low, fmin(end, isfinite(tail) ? kernel_log(tail) : INFINITY));
         }
     }
+    f->triangle_error = o->norm == BRDFFIT_NORM_L2 && f->rows_error == 0.0 ? brdffit_fit_triangle_error(data) : 0.0;
     f->varpro.data = data;
     f->varpro.kind = f->kind;
     f->varpro.theta_low = f->theta_low;

@@ -5,15 +5,20 @@
 
 #include <math.h>
 
+#include "fit/published.h"
+
 #include "base/error.h"
 #include "model/geometry.h"
 #include "base/tolerance.h"
 
 /* First partition: as fine as the budget allows, so that even a budget of one box gives a bound of the whole. */
-static uint32_t first_intervals(const brdffit_options *o)
+static uint32_t first_intervals(const struct fit *f, const brdffit_options *o)
 {
     uint32_t first = FIRST_INTERVALS;
 
+    if (!(f->theta_high - f->theta_low > 4.0 * TOL_END * TOL_UNIT * (1.0 + fabs(f->theta_low)))) {
+        return 1; /* one roughness, and what rounding may make of it */
+    }
     while (first > 1 && (o->lobes > 1 ? (size_t)first * (first + 1) / 2 : first) > o->box_budget) {
         first /= 2;
     }
@@ -45,6 +50,16 @@ static int report_reduced(const struct fit *f, const brdffit_options *o)
     return o->progress(o->progress_user, &p) != 0;
 }
 
+/* The engine's point with an objective that its published model will not exceed: what is closed against it stays so. */
+static double try_published(void *self, struct point *point)
+{
+    struct fit *f = self;
+    double objective = f->try_point(f, point);
+
+    f->least = fmin(f->least, objective);
+    return objective + brdffit_fit_allowance(f, objective);
+}
+
 /* Everything up to the first box: domain, partition, engine, rules. The engine is to be finished after success. */
 brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct engine *engine,
                                  struct search_rules *rules, brdffit_error *error)
@@ -53,7 +68,7 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
 
     rules->cancelled = report_reduced(f, o);
     brdffit_fit_prepare(f, o);
-    brdffit_axis_start(&f->axis, f->theta_low, f->theta_high, first_intervals(o));
+    brdffit_axis_start(&f->axis, f->theta_low, f->theta_high, first_intervals(f, o));
     status = brdffit_fit_engine_start(f, o, engine);
     if (status != BRDFFIT_OK) {
         return brdffit_fail(error, status,
@@ -61,6 +76,9 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
                                 ? "norms l1 and linf and engine socp need ECOS, which this build is without"
                                 : "ECOS could not set up its solver");
     }
+    f->try_point = engine->try_point;
+    f->least = INFINITY;
+    engine->try_point = try_published;
     rules->relative_gap = o->relative_gap;
     rules->absolute_gap = o->absolute_gap * f->data.total;
     rules->sigma_resolution = o->sigma_resolution;
