@@ -18,14 +18,14 @@
 
 /* ---- What a model leaves of its data, by brdffit_eval() ------------------------------------------------------ */
 
-static double objective_of(const brdffit_samples *s, const brdffit_options *o, const brdffit_model *model,
+static double objective_of(const brdffit_samples *s, const brdffit_options *o, const struct brdffit_test_model *model,
                            const double *scale)
 {
     double out[MOST * 2], sum = 0.0;
     size_t i, k;
 
     assert_true(s->count * s->channels <= MOST * 2);
-    assert_int_equal(brdffit_eval(model, s, out, NULL), BRDFFIT_OK);
+    assert_int_equal(brdffit_test_eval(model, s, out, NULL), BRDFFIT_OK);
     for (i = 0; i < s->count; i++) {
         for (k = 0; k < s->channels; k++) {
             double r = fabs(s->values[i * s->channels + k] - out[i * s->channels + k]) / scale[k];
@@ -38,7 +38,7 @@ static double objective_of(const brdffit_samples *s, const brdffit_options *o, c
 }
 
 /* e2 is that of the published model, to its own error and eval's. */
-static void check_model(const brdffit_samples *s, const brdffit_options *o, const brdffit_result *r)
+static void check_model(const brdffit_samples *s, const brdffit_options *o, const struct brdffit_test_result *r)
 {
     double found = objective_of(s, o, &r->model, r->channel_scale), own;
 
@@ -56,10 +56,13 @@ static void check_model(const brdffit_samples *s, const brdffit_options *o, cons
 /* A fit that is not judged by brdffit_verify(), which knows norm l2 and gaps of more than rounding only. */
 static void fit_plainly(const brdffit_samples *samples, const brdffit_options *o, struct brdffit_test_fit *fit)
 {
+    const brdffit_result *result;
+
     fit->workspace_size = brdffit_workspace_size(samples->count, samples->channels, o);
     fit->workspace = malloc(fit->workspace_size);
     assert_non_null(fit->workspace);
-    assert_int_equal(brdffit_fit(samples, o, fit->workspace, fit->workspace_size, &fit->result, NULL), BRDFFIT_OK);
+    assert_int_equal(brdffit_fit(samples, o, fit->workspace, fit->workspace_size, &result, NULL), BRDFFIT_OK);
+    brdffit_test_flatten(result, &fit->result);
 }
 
 /* ---- No sample near the mirror ------------------------------------------------------------------------------- */
@@ -86,7 +89,7 @@ static void narrow_new(struct narrow *p, double unit)
 static void check_floor(const struct narrow *p, const brdffit_options *o)
 {
     struct brdffit_test_fit fit;
-    const brdffit_result *r = &fit.result;
+    const struct brdffit_test_result *r = &fit.result;
     int by_exponent = strcmp(brdffit_parameter_string(o->distribution), "exponent") == 0;
 
     if (o->norm == BRDFFIT_NORM_L2) {

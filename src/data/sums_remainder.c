@@ -192,9 +192,9 @@ static struct remainder at_model(const struct cells *v, const struct brdffit_res
     size_t g;
     int p;
 
-    for (p = 0; p < result->model.lobes; p++) {
-        struct twofold exact = twofold_inverse_square(result->model.sigma[p]);
-        struct wide all = wide_of(result->model.y[k * (size_t)result->model.lobes + (size_t)p]);
+    for (p = 0; p < result->model->lobes; p++) {
+        struct twofold exact = twofold_inverse_square(result->model->sigma[p]);
+        struct wide all = wide_of(result->model->y[k * (size_t)result->model->lobes + (size_t)p]);
 
         s[p] = exact.high;
         y[p] = wide_value(wide_times(all, brdffit_lobe_factor(kind, exact, v->smallest))) / v->scale[k];
@@ -203,7 +203,7 @@ static struct remainder at_model(const struct cells *v, const struct brdffit_res
         double bb = sums_value(&v->sums->cell[g]), first = 0.0, second = 0.0;
         double width = brdffit_sums_width(v->sums, v->sums->c[g]);
 
-        for (p = 0; p < result->model.lobes && bb > 0.0; p++) {
+        for (p = 0; p < result->model->lobes && bb > 0.0; p++) {
             double x = width * s[p];
             double lobe = y[p] * falls(v, s[p], v->sums->c[g]);
 

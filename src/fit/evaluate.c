@@ -8,20 +8,28 @@
 #include "base/error.h"
 #include "model/geometry.h"
 
+static brdffit_distribution distribution_of(const brdffit_model *m, int p)
+{
+    return m->distributions ? m->distributions[p] : m->distribution;
+}
+
 static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
 {
     int p;
 
-    if (!m || !m->x || !m->y || m->channels == 0) {
-        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: NULL, or without coefficients");
+    if (!m->sigma || !m->x || !m->y || m->channels == 0) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: without roughness or coefficients");
     }
     if (!(m->lobes >= 1 && m->lobes <= BRDFFIT_MAX_LOBES) ||
-        !((unsigned)m->distribution < BRDFFIT_DISTRIBUTION_COUNT)) {
+        !((unsigned)distribution_of(m, 0) < BRDFFIT_DISTRIBUTION_COUNT)) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown distribution or number of lobes");
     }
     for (p = 0; p < m->lobes; p++) {
         double s = 1.0 / (m->sigma[p] * m->sigma[p]);
 
+        if (distribution_of(m, p) != distribution_of(m, 0)) {
+            return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "model: lobes of several distributions");
+        }
         if (!(m->sigma[p] > 0.0 && s > 0.0 && isfinite(s))) {
             return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: sigma must be positive, and 1/sigma^2 finite");
         }
@@ -72,7 +80,7 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
     if (!out && at->count) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "out is NULL");
     }
-    kind = brdffit_lobe_kind_of(model->distribution);
+    kind = brdffit_lobe_kind_of(distribution_of(model, 0));
     for (p = 0; p < model->lobes; p++) {
         s[p] = twofold_inverse_square(model->sigma[p]);
     }
@@ -80,7 +88,7 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
     places.weights = NULL; /* not read: every direction is evaluated */
     for (i = 0; i < at->count; i++) {
         struct geometry g = {0.0, 0.0, 0.0, 1.0};
-        brdffit_skip skip = brdffit_geometry_sample(&places, model->distribution, 0.0, i, &g, &status, error);
+        brdffit_skip skip = brdffit_geometry_sample(&places, distribution_of(model, 0), 0.0, i, &g, &status, error);
 
         if (status != BRDFFIT_OK) {
             return status;
@@ -98,18 +106,12 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
 }
 
 brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit_options *options, size_t *used,
-                                   size_t skipped[BRDFFIT_SKIP_COUNT], brdffit_error *error)
+                                   size_t *skipped, size_t known, brdffit_error *error)
 {
-    brdffit_options defaults;
-    brdffit_status status;
+    brdffit_status status = brdffit_options_check(options, error);
     size_t counted = 0, reasons[BRDFFIT_SKIP_COUNT] = {0}, i, k;
     double min_cosine;
 
-    if (!options) {
-        brdffit_options_init(&defaults);
-        options = &defaults;
-    }
-    status = brdffit_options_check(options, error);
     if (status == BRDFFIT_OK) {
         status = brdffit_geometry_check(samples, 1, error);
     }
@@ -136,8 +138,8 @@ brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit
             reasons[skip]++;
         }
     }
-    for (k = 0; k < BRDFFIT_SKIP_COUNT && skipped; k++) {
-        skipped[k] = reasons[k];
+    for (k = 0; skipped && k < known; k++) {
+        skipped[k] = k < BRDFFIT_SKIP_COUNT ? reasons[k] : 0;
     }
     if (used) {
         *used = counted;

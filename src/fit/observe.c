@@ -35,12 +35,13 @@ static void show(void *self, const struct box *box)
 {
     const struct observer *v = self;
     int lobes = v->options->lobes, p;
-    brdffit_box shown = {{0.0, 0.0}, {0.0, 0.0}, box->bound * v->scale, 0};
+    double low[BRDFFIT_MAX_LOBES], high[BRDFFIT_MAX_LOBES];
+    brdffit_box shown = {.lobes = lobes, .sigma_low = low, .sigma_high = high, .lower_bound = box->bound * v->scale};
 
     for (p = 0; p < lobes; p++) {
         uint32_t interval = box->interval[lobes - 1 - p]; /* ascending theta there, ascending sigma here */
 
-        side(v, interval, &shown.sigma_low[p], &shown.sigma_high[p]);
+        side(v, interval, &low[p], &high[p]);
         shown.level += halvings(v->fit, interval);
     }
     v->options->box(v->options->box_user, &shown);

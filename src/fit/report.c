@@ -8,6 +8,7 @@
 #include "fit/published.h"
 #include "fit/verdict.h"
 #include "base/exp.h"
+#include "base/intake.h"
 #include "base/tolerance.h"
 
 static double clamp(double value, double low, double high)
@@ -184,7 +185,7 @@ static double effective_samples(struct fit *f, double theta)
     return sum > 0.0 ? 1.0 / sum : 0.0;
 }
 
-static void lobe_shares(const struct fit *f, brdffit_result *result)
+static void lobe_shares(const struct fit *f, brdffit_lobe *lobe)
 {
     double sum[BRDFFIT_MAX_LOBES] = {0.0, 0.0}, all = 0.0, largest = 0.0;
     size_t k, lobes = (size_t)f->varpro.lobes, p;
@@ -201,12 +202,12 @@ static void lobe_shares(const struct fit *f, brdffit_result *result)
         all += sum[p];
     }
     for (p = 0; p < lobes; p++) {
-        result->lobe[p].weight = all > 0.0 ? sum[p] / all : 0.0;
+        lobe[p].weight = all > 0.0 ? sum[p] / all : 0.0;
         if (!(sum[p] > 0.0)) {
-            result->lobe[p].warnings |= BRDFFIT_WARN_UNUSED;
+            lobe[p].warnings |= BRDFFIT_WARN_UNUSED;
         }
-        if (result->lobe[p].effective_samples < LIMIT_EFFECTIVE_SAMPLES) {
-            result->lobe[p].warnings |= BRDFFIT_WARN_UNRESOLVED;
+        if (lobe[p].effective_samples < LIMIT_EFFECTIVE_SAMPLES) {
+            lobe[p].warnings |= BRDFFIT_WARN_UNRESOLVED;
         }
     }
 }
@@ -217,14 +218,14 @@ static void count_work(const struct fit *f, const struct search_result *found, c
     result->boxes = found->boxes;
     if (o->norm != BRDFFIT_NORM_L2) {
         result->nodes = f->restricted.evaluated;
-        result->socp_solved = f->restricted.lp.solved + f->linear.lp.solved;
-        result->socp_refused = f->restricted.lp.refused + f->linear.lp.refused;
-        result->socp_decided = f->linear.decided;
+        result->programs_solved = f->restricted.lp.solved + f->linear.lp.solved;
+        result->programs_refused = f->restricted.lp.refused + f->linear.lp.refused;
+        result->programs_decided = f->linear.decided;
     } else if (o->engine == BRDFFIT_ENGINE_SOCP) {
         result->nodes = f->socp.evaluated;
-        result->socp_solved = f->socp.solved;
-        result->socp_refused = f->socp.refused;
-        result->socp_decided = f->socp.decided;
+        result->programs_solved = f->socp.solved;
+        result->programs_refused = f->socp.refused;
+        result->programs_decided = f->socp.decided;
     } else {
         result->nodes = f->moment.moments.evaluated;
     }
@@ -286,11 +287,34 @@ static unsigned curved_lobes(const struct fit *f, const struct varpro_value *val
     return curved;
 }
 
-/* The arrays of the result, in the caller's units. */
-static void publish(struct fit *f, const brdffit_options *o, brdffit_result *result)
+/* The model, which points to what the handout and the fit hold. */
+static void publish_model(struct fit *f, const brdffit_options *o)
 {
-    size_t k;
+    struct handout *h = f->handout;
     int p;
+
+    h->model.struct_size = INTAKE_LEAST(brdffit_model, distributions);
+    h->model.distribution = o->distribution;
+    h->model.lobes = o->lobes;
+    h->model.channels = f->data.channels;
+    h->model.sigma = h->sigma;
+    h->model.x = f->x;
+    h->model.y = f->y;
+    h->model.distributions = h->distributions;
+    for (p = 0; p < o->lobes; p++) {
+        h->sigma[p] = h->lobe[p].sigma;
+        h->distributions[p] = o->distributions ? o->distributions[p] : o->distribution;
+        h->lobes[p] = &h->lobe[p];
+    }
+    h->result.model = &h->model;
+    h->result.lobe = h->lobes;
+}
+
+/* The arrays of the result, in the caller's units. */
+static void publish(struct fit *f, const brdffit_options *o)
+{
+    brdffit_result *result = &f->handout->result;
+    size_t k;
 
     if (o->normalise == BRDFFIT_NORMALISE_NONE) {
         for (k = 0; k < f->data.channels; k++) {
@@ -299,29 +323,22 @@ static void publish(struct fit *f, const brdffit_options *o, brdffit_result *res
     }
     result->channel_scale = f->data.channel_scale;
     result->rms = f->rms;
-    result->model.distribution = o->distribution;
-    result->model.lobes = o->lobes;
-    result->model.channels = f->data.channels;
-    result->model.x = f->x;
-    result->model.y = f->y;
-    for (p = 0; p < o->lobes; p++) {
-        result->model.sigma[p] = result->lobe[p].sigma;
-    }
     result->sigma_floor = f->theta_flat < f->theta_low ? INFINITY : brdffit_fit_sigma(f, f->theta_flat, o);
     result->sigma_tail = brdffit_fit_sigma(f, f->theta_high, o);
     result->distinct_c = f->data.distinct;
     result->channels_zero = f->data.channels_zero;
     result->channels_identical = f->data.channels_identical;
     result->samples_used = f->data.counted;
-    for (p = 0; p < BRDFFIT_SKIP_COUNT; p++) {
-        result->samples_skipped[p] = f->data.skipped[p];
+    for (k = 0; k < BRDFFIT_SKIP_COUNT; k++) {
+        f->handout->skipped[k] = f->data.skipped[k];
     }
+    result->samples_skipped = f->handout->skipped;
 }
 
-void brdffit_report(struct fit *f, const brdffit_options *o, double objective_scale, const struct search_result *found,
-                    brdffit_result *result)
+void brdffit_report(struct fit *f, const brdffit_options *o, double objective_scale, const struct search_result *found)
 {
-    static const brdffit_result zero;
+    static const struct handout zero;
+    struct handout *h = f->handout;
     struct point at = found->point;
     const struct level level = level_of(f, f->least);
     struct published published;
@@ -330,28 +347,29 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     unsigned all = (1u << o->lobes) - 1, curved = 0, flat;
     int p, swapped;
 
-    *result = zero;
-    (void)order_lobes(&at, result->lobe, o->lobes);
+    *h = zero;
+    (void)order_lobes(&at, h->lobe, o->lobes);
     if (f->norm == BRDFFIT_NORM_L2) {
         brdffit_varpro_evaluate(&f->varpro, &at, 1, &value);
         curved = curved_lobes(f, &value, &level);
     }
     flat = move_to_largest(f, &at, &level, curved);
     for (p = 0; p < o->lobes; p++) {
-        describe_lobe(f, &at, p, (flat >> p) & 1, &level, o, &result->lobe[p]);
-        result->lobe[p].effective_samples = effective_samples(f, at.theta[p]);
+        describe_lobe(f, &at, p, (flat >> p) & 1, &level, o, &h->lobe[p]);
+        h->lobe[p].effective_samples = effective_samples(f, at.theta[p]);
     }
-    swapped = order_lobes(&at, result->lobe, o->lobes);
+    swapped = order_lobes(&at, h->lobe, o->lobes);
     if (curved != all || swapped) {
         brdffit_fit_evaluate(f, &at, 1, &value);
     }
     for (p = 0; p < o->lobes; p++) {
-        sigma[p] = result->lobe[p].sigma;
+        sigma[p] = h->lobe[p].sigma;
     }
     published = brdffit_fit_publish(f, sigma);
-    lobe_shares(f, result);
-    count_work(f, found, o, result);
-    certificate(f, found, &published, objective_scale, o, result);
-    result->kkt_residual = value.kkt;
-    publish(f, o, result);
+    lobe_shares(f, h->lobe);
+    count_work(f, found, o, &h->result);
+    certificate(f, found, &published, objective_scale, o, &h->result);
+    h->result.kkt_residual = value.kkt;
+    publish_model(f, o);
+    publish(f, o);
 }

@@ -319,7 +319,7 @@ def _read(path: Path, options: structs.IoOptions, quantity: str | None, at: Samp
 
 
 def _from_table(table: structs.Table, owner: _Table, name: str, at: Samples | None) -> Samples:
-    data = table.samples
+    data = table.samples.contents
     count, channels = data.count, data.channels
     arrays: dict[str, Any] = {key: from_address(getattr(data, key), (count,), owner) for key in _COLUMNS}
     arrays.update({key: from_address(getattr(data, key), (count, 3), owner) for key in _VECTORS})
