@@ -48,7 +48,7 @@ extern "C" {
 #define BRDFFIT_VERSION_STRING "0.1.0"
 
 /* Most lobes a fit can have. */
-#define BRDFFIT_MAX_LOBES 2
+#define BRDFFIT_MAX_LOBES 3
 
 /* "Does not apply" in brdffit_error. */
 #define BRDFFIT_NONE ((size_t)-1)
@@ -298,6 +298,7 @@ typedef struct brdffit_options {
     void *progress_user;
     brdffit_box_fn box; /* or NULL */
     void *box_user;
+    const brdffit_distribution *distributions;
 } brdffit_options;
 
 /* Set struct_size and every default. */
@@ -324,6 +325,7 @@ BRDFFIT_API const char *brdffit_stop_string(brdffit_stop stop);
 /* A model that can be evaluated: pointers belong to whoever filled it in. */
 typedef struct brdffit_model {
     brdffit_distribution distribution;
+    const brdffit_distribution *distributions;
     int lobes;       /* P */
     size_t channels; /* K */
     double sigma[BRDFFIT_MAX_LOBES]; /* roughness, ascending; 1/sqrt(n) where the parameter is n */

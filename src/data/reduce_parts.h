@@ -5,6 +5,8 @@
 #ifndef BRDFFIT_REDUCE_PARTS_H
 #define BRDFFIT_REDUCE_PARTS_H
 
+#include <math.h>
+
 #include "data/reduce.h"
 
 /* Samples that are summed plainly, or triangularised at once, before the next step. */
@@ -14,13 +16,16 @@
 brdffit_status brdffit_reduce_channel_scales(struct reduced *reduced, const brdffit_options *options,
                                              brdffit_error *error);
 
-/* Order by c, then by index. */
+/* Divide values by one power of two more, so that the largest is about 1: `magnitude` is what it is now. */
+void brdffit_reduce_value_scale(struct reduced *reduced, double magnitude);
+
+/* Order by c of each geometry in turn, then by index. */
 void brdffit_reduce_sort(struct reduced *reduced);
 
-/* Give half-vector angles within rounding one c. */
+/* Give half-vector angles within rounding one c, and order again. */
 void brdffit_reduce_snap(struct reduced *reduced);
 
-/* Sets distinct, stride, c_min and c; clears what is summed over them. */
+/* Sets distinct, stride, c_min and c of each geometry; clears what is summed over them. */
 void brdffit_reduce_groups(struct reduced *reduced);
 
 /* Sums over samples of equal c; sets distinct, stride, c_min and every sum. */
@@ -35,7 +40,18 @@ void brdffit_reduce_rows(struct reduced *reduced, const brdffit_samples *samples
 /* Weighted value of used sample j in channel k, in internal units. */
 double brdffit_reduce_value(const struct reduced *reduced, const brdffit_samples *samples, uint32_t j, size_t k);
 
-/* One past the last place in `order` whose c equals that of place `begin`. */
+/* One past the last place in `order` that agrees with place `begin` in every c. */
 size_t brdffit_reduce_group_end(const struct reduced *reduced, size_t begin);
+
+/* Whether a sample has a lobe in some geometry. */
+static inline int reduce_has_lobe(const struct reduced *r, uint32_t j)
+{
+    int g, any = 0;
+
+    for (g = 0; g < r->geometries; g++) {
+        any = any || isfinite(r->table[g].sample_c[j]);
+    }
+    return any;
+}
 
 #endif

@@ -8,6 +8,12 @@
 #include "base/error.h"
 #include "model/geometry.h"
 
+/* The distribution of lobe p. */
+static brdffit_distribution distribution_of(const brdffit_model *m, int p)
+{
+    return m->distributions ? m->distributions[p] : m->distribution;
+}
+
 static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
 {
     int p;
@@ -15,9 +21,13 @@ static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
     if (!m || !m->x || !m->y || m->channels == 0) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: NULL, or without coefficients");
     }
-    if (!(m->lobes >= 1 && m->lobes <= BRDFFIT_MAX_LOBES) ||
-        !((unsigned)m->distribution < BRDFFIT_DISTRIBUTION_COUNT)) {
-        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown distribution or number of lobes");
+    if (!(m->lobes >= 1 && m->lobes <= BRDFFIT_MAX_LOBES)) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown number of lobes");
+    }
+    for (p = 0; p < m->lobes; p++) {
+        if (!((unsigned)distribution_of(m, p) < BRDFFIT_DISTRIBUTION_COUNT)) {
+            return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown distribution");
+        }
     }
     for (p = 0; p < m->lobes; p++) {
         double s = 1.0 / (m->sigma[p] * m->sigma[p]);
@@ -29,14 +39,25 @@ static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
     return BRDFFIT_OK;
 }
 
-static void eval_one(const brdffit_model *m, const struct lobe_kind *kind, const struct geometry *g, double divisor,
-                     double *out)
+/* Lobe p at a direction, whose geometry for the model's first lobe is given. */
+static double lobe_at(const brdffit_model *m, int p, const struct geometry *first, int coefficients)
+{
+    const struct lobe_kind *kind = brdffit_lobe_kind_of(distribution_of(m, p));
+    struct geometry g = *first;
+
+    if (!coefficients && kind->row != brdffit_lobe_kind_of(distribution_of(m, 0))->row) {
+        kind->row(&first->angles, &g);
+    }
+    return g.b * kind->evaluate(1.0 / (m->sigma[p] * m->sigma[p]), g.c);
+}
+
+static void eval_one(const brdffit_model *m, const struct geometry *g, int coefficients, double divisor, double *out)
 {
     double lobe[BRDFFIT_MAX_LOBES];
     size_t k, lobes = (size_t)m->lobes, p;
 
     for (p = 0; p < lobes; p++) {
-        lobe[p] = g->b * kind->evaluate(1.0 / (m->sigma[p] * m->sigma[p]), g->c);
+        lobe[p] = lobe_at(m, (int)p, g, coefficients);
     }
     for (k = 0; k < m->channels; k++) {
         double value = g->a * m->x[k];
@@ -52,7 +73,6 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
                                 brdffit_error *error)
 {
     brdffit_status status = check_model(model, error);
-    const struct lobe_kind *kind;
     brdffit_samples places;
     size_t i, k;
 
@@ -65,12 +85,11 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
     if (!out && at->count) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "out is NULL");
     }
-    kind = brdffit_lobe_kind_of(model->distribution);
     places = *at;
     places.weights = NULL; /* not read: every direction is evaluated */
     for (i = 0; i < at->count; i++) {
-        struct geometry g = {0.0, 0.0, 0.0, 1.0};
-        brdffit_skip skip = brdffit_geometry_sample(&places, model->distribution, 0.0, i, &g, &status, error);
+        struct geometry g = {.cos_light = 1.0};
+        brdffit_skip skip = brdffit_geometry_sample(&places, distribution_of(model, 0), 0.0, i, &g, &status, error);
 
         if (status != BRDFFIT_OK) {
             return status;
@@ -81,7 +100,8 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
             }
             continue;
         }
-        eval_one(model, kind, &g, at->quantity == BRDFFIT_QUANTITY_BRDF ? g.cos_light : 1.0, out + i * model->channels);
+        eval_one(model, &g, at->form == BRDFFIT_FORM_COEFFICIENTS,
+                 at->quantity == BRDFFIT_QUANTITY_BRDF ? g.cos_light : 1.0, out + i * model->channels);
     }
     return BRDFFIT_OK;
 }
@@ -108,7 +128,8 @@ brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit
     min_cosine = brdffit_geometry_min_cosine(options->max_incidence);
     for (i = 0; i < samples->count; i++) {
         struct geometry g;
-        brdffit_skip skip = brdffit_geometry_sample(samples, options->distribution, min_cosine, i, &g, &status, error);
+        brdffit_skip skip = brdffit_geometry_sample(samples, brdffit_model_asked(options, 0), min_cosine, i, &g,
+                                                    &status, error);
 
         if (status != BRDFFIT_OK) {
             return status;

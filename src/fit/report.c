@@ -14,21 +14,21 @@ static double clamp(double value, double low, double high)
 }
 
 /* The exponent n = s of theta: the options' own number at an end of the range, and never outside of it. */
-static double exponent_of(const struct fit *f, double theta, const brdffit_options *o)
+static double exponent_of(const struct fit *f, int kind, double theta, const brdffit_options *o)
 {
-    return theta <= f->theta_low    ? o->exponent_min
-           : theta >= f->theta_tail ? o->exponent_max
-                                    : clamp(kernel_exp(theta), o->exponent_min, o->exponent_max);
+    return theta <= f->domain[kind].low    ? o->exponent_min
+           : theta >= f->domain[kind].tail ? o->exponent_max
+                                           : clamp(kernel_exp(theta), o->exponent_min, o->exponent_max);
 }
 
-double brdffit_fit_sigma(const struct fit *f, double theta, const brdffit_options *o)
+double brdffit_fit_sigma(const struct fit *f, int kind, double theta, const brdffit_options *o)
 {
-    if (f->kind->by_exponent) {
-        return 1.0 / sqrt(exponent_of(f, theta, o));
+    if (f->model.kind[kind]->by_exponent) {
+        return 1.0 / sqrt(exponent_of(f, kind, theta, o));
     }
-    return theta <= f->theta_low    ? o->sigma_max
-           : theta >= f->theta_tail ? o->sigma_min
-                                    : clamp(kernel_exp(-0.5 * theta), o->sigma_min, o->sigma_max);
+    return theta <= f->domain[kind].low    ? o->sigma_max
+           : theta >= f->domain[kind].tail ? o->sigma_min
+                                           : clamp(kernel_exp(-0.5 * theta), o->sigma_min, o->sigma_max);
 }
 
 static double objective_at(struct fit *f, struct point at, int p, double theta)
@@ -85,14 +85,14 @@ static double flat_end(struct fit *f, const struct point *at, int p, double end,
 }
 
 /* The roughness at theta, and the interval from there up to theta `high`, in the parameter's terms too. */
-static void publish_roughness(const struct fit *f, double theta, double high, const brdffit_options *o,
+static void publish_roughness(const struct fit *f, int kind, double theta, double high, const brdffit_options *o,
                               brdffit_lobe *lobe)
 {
-    lobe->sigma = lobe->sigma_high = brdffit_fit_sigma(f, theta, o);
-    lobe->sigma_low = brdffit_fit_sigma(f, high, o);
-    if (f->kind->by_exponent) {
-        lobe->exponent = lobe->exponent_low = exponent_of(f, theta, o);
-        lobe->exponent_high = exponent_of(f, high, o);
+    lobe->sigma = lobe->sigma_high = brdffit_fit_sigma(f, kind, theta, o);
+    lobe->sigma_low = brdffit_fit_sigma(f, kind, high, o);
+    if (f->model.kind[kind]->by_exponent) {
+        lobe->exponent = lobe->exponent_low = exponent_of(f, kind, theta, o);
+        lobe->exponent_high = exponent_of(f, kind, high, o);
     }
 }
 
@@ -114,51 +114,54 @@ static unsigned move_to_largest(struct fit *f, struct point *at, const struct le
     unsigned flat = 0;
     int p;
 
-    for (p = 0; p < f->varpro.lobes; p++) {
-        if (!(curved >> p & 1) && flat_towards(f, at, p, f->theta_low, level) &&
-            flat_towards(f, at, p, f->theta_high, level)) {
-            at->theta[p] = flat_end(f, at, p, f->theta_low, level);
+    for (p = 0; p < f->model.lobes; p++) {
+        const struct domain *d = fit_domain(f, p);
+
+        if (!(curved >> p & 1) && flat_towards(f, at, p, d->low, level) && flat_towards(f, at, p, d->high, level)) {
+            at->theta[p] = flat_end(f, at, p, d->low, level);
             flat |= 1u << p;
         }
     }
     return flat;
 }
 
-/* Roughness and its interval, with the other lobe where it ended up. */
+/* Roughness and its interval, with the other lobes where they ended up. */
 static void describe_lobe(struct fit *f, const struct point *at, int p, int flat, const struct level *level,
                           const brdffit_options *o, brdffit_lobe *lobe)
 {
+    const struct domain *d = fit_domain(f, p);
     double high = at->theta[p];
 
     lobe->warnings = 0;
     if (flat) {
-        high = flat_end(f, at, p, f->theta_high, level);
-        high = high < f->theta_high ? high : f->theta_flat;
+        high = flat_end(f, at, p, d->high, level);
+        high = high < d->high ? high : d->flat;
     }
     if (high > at->theta[p]) {
         lobe->warnings |= BRDFFIT_WARN_FLAT;
-    } else if (at->theta[p] <= f->theta_low || at->theta[p] >= f->theta_tail) {
+    } else if (at->theta[p] <= d->low || at->theta[p] >= d->tail) {
         lobe->warnings |= BRDFFIT_WARN_AT_LIMIT;
     }
-    publish_roughness(f, at->theta[p], high, o, lobe);
+    publish_roughness(f, f->model.lobe[p].kind, at->theta[p], high, o, lobe);
 }
 
 /* N_eff = (sum g^2)^2 / sum g^4 over samples. */
-static double effective_samples(struct fit *f, double theta)
+static double effective_samples(struct fit *f, int p, double theta)
 {
-    const struct reduced *data = &f->data;
-    double u[3], h = 0.0, sum = 0.0;
+    const struct lobe_kind *kind = model_kind(&f->model, p);
+    const struct table *t = varpro_table(&f->varpro, p);
+    double u[3], h = 0.0, sum = 0.0, *phi = f->varpro.phi;
     size_t j;
 
-    f->kind->variable(data->c_min, theta, u);
-    f->kind->shape(f->varpro.kernels, data->c, data->stride, u[0], f->varpro.phi);
-    for (j = 0; j < data->distinct; j++) {
-        h += data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]);
+    kind->variable(t->c_min, theta, u);
+    kind->shape(f->varpro.kernels, t->c, f->data.stride, u[0], phi);
+    for (j = 0; j < f->data.distinct; j++) {
+        h += t->bb[j] * (phi[j] * phi[j]);
     }
-    for (j = 0; j < data->distinct && h > 0.0; j++) {
-        double share = data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]) / h;
+    for (j = 0; j < f->data.distinct && h > 0.0; j++) {
+        double share = t->bb[j] * (phi[j] * phi[j]) / h;
 
-        sum += share * share * data->concentration[j];
+        sum += share * share * t->concentration[j];
     }
     return sum > 0.0 ? 1.0 / sum : 0.0;
 }
@@ -172,13 +175,13 @@ static double in_data_units(const struct fit *f, const struct nnls_answer *answe
     if (!(z > 0.0)) {
         return 0.0;
     }
-    return z / nnls->norm[j] * (answer->data_scale / nnls->scale[j]) * f->data.channel_scale[k];
+    return z / nnls->norm[j] * (answer->data_scale / nnls->scale[j]) * f->data.value_scale * f->data.channel_scale[k];
 }
 
 static void coefficients(struct fit *f, const struct point *at)
 {
     const struct reduced *data = &f->data;
-    int lobes = f->varpro.lobes, p;
+    int lobes = f->model.lobes, p;
     size_t k;
 
     for (k = 0; k < data->channels; k++) {
@@ -186,19 +189,21 @@ static void coefficients(struct fit *f, const struct point *at)
 
         f->x[k] = in_data_units(f, answer, k, 0) / data->scale_a;
         for (p = 0; p < lobes; p++) {
-            double factor = f->kind->factor(data->c_min, kernel_exp(at->theta[p]));
-            double y = in_data_units(f, answer, k, 1 + p) / data->scale_b;
+            const struct table *t = varpro_table(&f->varpro, p);
+            double factor = model_kind(&f->model, p)->factor(t->c_min, kernel_exp(at->theta[p]));
+            double y = in_data_units(f, answer, k, f->model.lobe[p].column) / t->scale_b;
 
             f->y[k * (size_t)lobes + (size_t)p] = y > 0.0 && factor > 0.0 ? y / factor : 0.0;
         }
-        f->rms[k] = answer->data_scale * sqrt(answer->rss / data->weight_sum) * data->channel_scale[k];
+        f->rms[k] = answer->data_scale * sqrt(answer->rss / data->weight_sum) * data->value_scale *
+                    data->channel_scale[k];
     }
 }
 
 static void lobe_shares(const struct fit *f, brdffit_result *result)
 {
-    double sum[BRDFFIT_MAX_LOBES] = {0.0, 0.0}, all = 0.0, largest = 0.0;
-    size_t k, lobes = (size_t)f->varpro.lobes, p;
+    double sum[BRDFFIT_MAX_LOBES] = {0.0}, all = 0.0, largest = 0.0;
+    size_t k, lobes = (size_t)f->model.lobes, p;
 
     for (k = 0; k < f->data.channels * lobes; k++) {
         largest = fmax(largest, f->y[k]);
@@ -261,20 +266,24 @@ static double sum_of_squares(const struct fit *f)
     return sum;
 }
 
-/* Lobes in ascending sigma, that is, descending theta; returns whether they were not. */
-static int order_lobes(struct point *at, brdffit_lobe *lobe, int lobes)
+/* Like lobes in ascending sigma, that is, descending theta; returns whether they were not. */
+static int order_lobes(const struct model *model, struct point *at, brdffit_lobe *lobe)
 {
-    double theta = at->theta[0];
-    brdffit_lobe first = lobe[0];
+    int p, q, swapped = 0;
 
-    if (lobes < 2 || !(theta < at->theta[1])) {
-        return 0;
+    for (p = 1; p < model->lobes; p++) {
+        for (q = p; q > model->lobe[p].first && at->theta[q - 1] < at->theta[q]; q--) {
+            double theta = at->theta[q - 1];
+            brdffit_lobe other = lobe[q - 1];
+
+            at->theta[q - 1] = at->theta[q];
+            at->theta[q] = theta;
+            lobe[q - 1] = lobe[q];
+            lobe[q] = other;
+            swapped = 1;
+        }
     }
-    at->theta[0] = at->theta[1];
-    at->theta[1] = theta;
-    lobe[0] = lobe[1];
-    lobe[1] = first;
-    return 1;
+    return swapped;
 }
 
 /* Lobes, as bits, whose curvature at the point leaves no doubt that FLAT_STEP changes the objective. */
@@ -283,12 +292,38 @@ static unsigned curved_lobes(const struct fit *f, const struct varpro_value *val
     unsigned curved = 0;
     int p;
 
-    for (p = 0; p < f->varpro.lobes; p++) {
+    for (p = 0; p < f->model.lobes; p++) {
         if (0.5 * value->hessian[p][p] * (FLAT_STEP * FLAT_STEP) > FLAT_DOUBT * level->tolerance) {
             curved |= 1u << p;
         }
     }
     return curved;
+}
+
+/* The range of every lobe reaches down to this roughness; infinity where no lobe is left. */
+static double sigma_floor(const struct fit *f, const brdffit_options *o)
+{
+    double largest = 0.0;
+    int kind;
+
+    for (kind = 0; kind < f->model.kinds; kind++) {
+        const struct domain *d = &f->domain[kind];
+
+        largest = fmax(largest, d->flat < d->low ? INFINITY : brdffit_fit_sigma(f, kind, d->flat, o));
+    }
+    return largest;
+}
+
+/* Below this roughness the data see no change of any lobe. */
+static double sigma_tail(const struct fit *f, const brdffit_options *o)
+{
+    double least = INFINITY;
+    int kind;
+
+    for (kind = 0; kind < f->model.kinds; kind++) {
+        least = fmin(least, brdffit_fit_sigma(f, kind, f->domain[kind].high, o));
+    }
+    return least;
 }
 
 /* The arrays of the result, in the caller's units. */
@@ -312,8 +347,8 @@ static void publish(struct fit *f, const brdffit_options *o, brdffit_result *res
     for (p = 0; p < o->lobes; p++) {
         result->model.sigma[p] = result->lobe[p].sigma;
     }
-    result->sigma_floor = f->theta_flat < f->theta_low ? INFINITY : brdffit_fit_sigma(f, f->theta_flat, o);
-    result->sigma_tail = brdffit_fit_sigma(f, f->theta_high, o);
+    result->sigma_floor = sigma_floor(f, o);
+    result->sigma_tail = sigma_tail(f, o);
     result->distinct_c = f->data.distinct;
     result->channels_zero = f->data.channels_zero;
     result->channels_identical = f->data.channels_identical;
@@ -334,7 +369,7 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     int p, swapped;
 
     *result = zero;
-    (void)order_lobes(&at, result->lobe, o->lobes);
+    (void)order_lobes(&f->model, &at, result->lobe);
     if (f->norm == BRDFFIT_NORM_L2) {
         brdffit_varpro_evaluate(&f->varpro, &at, 1, &value);
         curved = curved_lobes(f, &value, &level);
@@ -342,9 +377,9 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     flat = move_to_largest(f, &at, &level, curved);
     for (p = 0; p < o->lobes; p++) {
         describe_lobe(f, &at, p, (flat >> p) & 1, &level, o, &result->lobe[p]);
-        result->lobe[p].effective_samples = effective_samples(f, at.theta[p]);
+        result->lobe[p].effective_samples = effective_samples(f, p, at.theta[p]);
     }
-    swapped = order_lobes(&at, result->lobe, o->lobes);
+    swapped = order_lobes(&f->model, &at, result->lobe);
     if (curved != all || swapped) {
         brdffit_fit_evaluate(f, &at, 1, &value);
     }
@@ -352,7 +387,7 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     lobe_shares(f, result);
     certificate(f, found, value.objective, objective_scale, o, result);
     result->rms_total = sqrt(sum_of_squares(f) / ((double)f->data.channels * f->data.weight_sum)) *
-                        (o->normalise == BRDFFIT_NORMALISE_NONE ? f->data.channel_scale[0] : 1.0);
+                        (o->normalise == BRDFFIT_NORMALISE_NONE ? f->data.channel_scale[0] : 1.0) * f->data.value_scale;
     result->kkt_residual = value.kkt;
     publish(f, o, result);
 }
