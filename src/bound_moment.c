@@ -8,10 +8,9 @@
  * channels; kernels_gains.h bounds that over x, and over both sides of a box with two lobes, from the gains at
  * the corners with each subset of the sides shifted.
  *
- * R is finite only for off-diagonals >= 0; theory.md clips a shifted off-diagonal at 0, which is not a bound when
- * only some corners are clipped (the chord through clipped corners can lie above the true curve). Here an entry
- * that would fall below 0 at any corner is replaced at all corners by its infimum over the box, a constant that
- * minorises it. Raising an entry to at most 1 is never needed: gains clip there, on the safe side.
+ * R is used for off-diagonals >= 0 only. To clip shifted ones at 0 would be no bound where only some corners are
+ * clipped (the chord through clipped corners can lie above the true curve), so an entry that would fall below 0 at
+ * any corner is replaced at all corners by its infimum over the box, a constant that minorises it. Raising an entry to at most 1 is never needed: gains clip there, on the safe side.
  *
  * For wide boxes the monotone bound, every tau at its supremum and every cosine at its infimum, can be smaller. It is
  * looked at only when the other does not close the box.

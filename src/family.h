@@ -1,7 +1,8 @@
 /*
  * Families of lobes (theory 4.4). A family is g(s) = b factor(s) phi(u(s), c') with c' = c - c_min >= 0, where
  * phi(0, c') = 1, phi decreases in u and in c', and is log-convex in u, so that every moment of phi is a
- * decreasing function whose range on an interval is its two end values. The scalar factor only rescales y.
+ * decreasing function whose range on an interval is its two end values. -ell does not fall with c': so the cosine of two
+ * lobes falls with their distance. The slope falls with u. The scalar factor only rescales y.
  *
  *   exponential: phi = exp(-c' u), u = s, factor = lambda(s) exp(-c_min s); the distributions differ in lambda
  *   GGX:         phi = (1 + c' u)^-2, u = s / (1 + c_min s), factor = s (1 + c_min s)^-2

@@ -14,7 +14,7 @@ struct functional {
     double f0, f1, f2;
 };
 
-/* One box with two lobes: sides 0 and 1, corners c = c0 + 2 c1 with c_i = 1 at the high end of side i (bound_gain.h). */
+/* One box with two lobes: sides 0 and 1, corners c = c0 + 2 c1 with c_i = 1 at the high end of side i (kernels_gains.h). */
 struct gains_two {
     size_t channels;
     const double *omega;     /* K */

@@ -95,7 +95,7 @@ static void climb_tile(const struct many_fast *f, struct many_tile *tile, struct
     }
 }
 
-/* Windows that their end nodes do not discard, a bit each: see many_fast.c. */
+/* Windows that their end nodes do not discard, a bit each: see many_window.c. */
 static void screen(const struct many_fast *f, const struct many_tile *tile, struct tile_state *st)
 {
     double roots[LANES], sizes[LANES], roundings[LANES];
