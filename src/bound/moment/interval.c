@@ -6,7 +6,7 @@
  *
  *     W~'' = sum W [(x - mean)^2 + slope] g^  -  [E slope + 2 Var x] W~
  *
- * On [l, u] every phi, H, x and slope is decreasing, so with ends only (theory 4.2, "signed deviations"):
+ * On [l, u] every phi, H, x and slope is decreasing, so with ends only (theory 4.2, "enclosures"):
  *
  *     W~'' <= max_{c0 in {mean(l), mean(u)}} sum W (x - c0)^2 phi(l) / sqrt(H(u))  -  inf[..] inf W~
  *     W~'' >= min_{c0 in [mean(u), mean(l)]} sum W (x - c0)^2 phi(u) / sqrt(H(l))  -  sup[..] sup W~
@@ -62,7 +62,6 @@ static double shifted_square(const struct functional *f, double d, double allowa
     return (f->f2 - first + second) + allowance * (f->f2 + fabs(first) + second);
 }
 
-/* The mean that minimises shifted_square, clipped to [-reach, 0] about the node's own mean... */
 static double clip(double d, double low, double high)
 {
     return d < low ? low : d > high ? high : d;
