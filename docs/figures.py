@@ -6,10 +6,11 @@ SPDX-License-Identifier: MIT
 import itertools
 import json
 
-import brdffit
 import matplotlib
 import numpy as np
 from matplotlib.collections import PolyCollection
+
+import brdffit
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
