@@ -40,9 +40,9 @@ VERSION := $(shell sed -n 's/^.define BRDFFIT_VERSION_STRING "\(.*\)"$$/\1/p' in
 SOVERSION := 0
 
 # Kept whatever CFLAGS says. Proofs and reproducible bits need plain IEEE arithmetic: no contraction
-# into FMA (and never -ffast-math: kernel_exp.h refuses it). errno from libm is never read.
+# into FMA (and never -ffast-math: base/exp.h refuses it). errno from libm is never read.
 REQUIRED := -std=c11 -ffp-contract=off -fno-math-errno -fvisibility=hidden -fPIC
-# -Wno-psabi: 64-byte vectors (src/lanes.h) never cross a call, so that their ABI does not matter.
+# -Wno-psabi: 64-byte vectors (src/base/lanes.h) never cross a call, so that their ABI does not matter.
 WARNINGS := -Wno-psabi -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
 ifeq ($(WERROR),1)
 WARNINGS += -Werror
@@ -65,9 +65,11 @@ endif
 object = $(patsubst %.c,$(OBJ)/%.o,$(1))
 program = $(patsubst %,$(BUILD)/%,$(basename $(notdir $(1))))
 
-CORE := $(call object,$(sort $(wildcard src/*.c)))
+# One folder a layer (src/README.md); src/io is a library of its own.
+IO_SOURCES := $(sort $(wildcard src/io/*.c src/io/*/*.c))
+CORE := $(call object,$(filter-out $(IO_SOURCES),$(sort $(wildcard src/*/*.c src/*/*/*.c))))
 # With its own copy of the one file that it shares with the core: libbrdffit.so exports what its header declares only.
-IO := $(call object,$(sort $(wildcard src/io/*.c)) src/environment.c)
+IO := $(call object,$(IO_SOURCES) src/base/environment.c)
 CLI := $(call object,$(sort $(wildcard tools/brdffit/*.c)))
 GONIOMETER := $(call object,$(sort $(wildcard tools/goniometer/*.c)))
 BENCH := $(sort $(wildcard tools/bench/bench_*.c))
@@ -197,7 +199,7 @@ $(OBJ)/ecos/%.o: $(OBJ)/compile.flags | $(ECOS_READY)
 endif
 
 # socp.o of the archive is our socp.c with all of ECOS, AMD and LDL inside and no name visible but ours.
-SOCP := $(OBJ)/src/socp.o
+SOCP := $(OBJ)/src/solve/conic/socp.o
 SOCP_WHOLE := $(OBJ)/socp.o
 CORE_MEMBERS := $(filter-out $(SOCP),$(CORE)) $(if $(filter $(SOCP),$(CORE)),$(SOCP_WHOLE))
 
@@ -211,7 +213,7 @@ $(SOCP_WHOLE): $(SOCP) $(ECOS_OBJECTS)
 
 # ---- Instruction sets ---------------------------------------------------------
 
-# Files named *_avx2.c and *_avx512.c hold the inner loops again for those; src/isa.c chooses at run time. A compiler
+# Files named *_avx2.c and *_avx512.c hold the inner loops again for those; src/base/isa.c chooses at run time. A compiler
 # that knows neither (another processor's) builds them empty.
 accepts = $(shell echo 'int x;' | $(CC) $(1) -x c -c -o /dev/null - 2> /dev/null && echo yes)
 ISA_FLAGS :=
@@ -415,4 +417,4 @@ distclean:
 # In this order. The Python package's sdist has none of them: it builds the library only.
 include $(wildcard tools/bench/peers.mk) $(wildcard tools/bench/bench.mk) $(wildcard tools/stress/stress.mk)
 
--include $(wildcard $(OBJ)/src/*.d $(OBJ)/src/io/*.d $(OBJ)/tools/*/*.d $(OBJ)/tests/*.d $(OBJ)/tests/*/*.d)
+-include $(wildcard $(OBJ)/src/*/*.d $(OBJ)/src/*/*/*.d $(OBJ)/tools/*/*.d $(OBJ)/tests/*.d $(OBJ)/tests/*/*.d)

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "bound_case.h"
-#include "fit.h"
+#include "fit/fit.h"
 
 /* Min over z >= 0 of the objective at theta, in long double: supports enumerated on normalised columns. */
 static inline long double attack_objective(const struct bound_case *c, const struct reduced *data, const double *theta)

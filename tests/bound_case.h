@@ -7,7 +7,7 @@
 
 #include "brdffit.h"
 #include "nnls_case.h"
-#include "reduce.h"
+#include "data/reduce.h"
 
 #define CASE_SAMPLES 24
 #define CASE_CHANNELS 3

@@ -14,7 +14,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "certificate.h"
+#include "solve/conic/certificate.h"
 
 #define CASE_VARIABLES 8
 #define CASE_CONES 3

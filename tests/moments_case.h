@@ -15,10 +15,10 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "fit.h"
-#include "geometry.h"
+#include "fit/fit.h"
+#include "model/geometry.h"
 #include "support.h"
-#include "tolerance.h"
+#include "base/tolerance.h"
 
 #define MC_SAMPLES 48
 #define MC_CHANNELS 3

@@ -15,9 +15,9 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "reduce.h"
+#include "data/reduce.h"
 #include "support.h"
-#include "tolerance.h"
+#include "base/tolerance.h"
 
 /* Relative error that reduce_sums.c promises: 64 + 8 units, twice over for a and b themselves. */
 #define SUM_ERROR (2.0L * 72.0L * TOL_UNIT)

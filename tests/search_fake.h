@@ -14,7 +14,7 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "search.h"
+#include "search/search.h"
 #include "support.h"
 
 #define LOW (-3.0)

@@ -16,9 +16,9 @@
 
 #include "bound_attack.h"
 #include "bound_case.h"
-#include "fit.h"
+#include "fit/fit.h"
 #include "nnls_case.h"
-#include "tolerance.h"
+#include "base/tolerance.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 #define POINTS 100000L
@@ -56,7 +56,7 @@ static long attack(const struct bound_case *c, struct fit *f, double range[2][2]
     if (c->lobes == 1 || same) {
         box.interval[1] = 0;
     }
-    brdffit_bound_moment_start(&f->moment, &f->data, f->family, f->varpro.kernels, &f->axis, c->lobes);
+    brdffit_bound_moment_start(&f->moment, &f->data, f->kind, f->varpro.kernels, &f->axis, c->lobes);
     met_objective = c->lobes == 1 ? brdffit_bound_moment_one(&f->moment, &box, &met)
                                   : brdffit_bound_moment_two(&f->moment, &box, &met);
     assert_true(box.bound >= 0.0 && box.bound <= f->data.total);

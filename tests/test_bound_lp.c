@@ -14,7 +14,7 @@
 
 #include "bound_attack.h"
 #include "bound_case.h"
-#include "fit.h"
+#include "fit/fit.h"
 
 #ifndef BRDFFIT_NO_ECOS
 

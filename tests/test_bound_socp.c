@@ -17,7 +17,7 @@
 
 #include "bound_attack.h"
 #include "bound_case.h"
-#include "fit.h"
+#include "fit/fit.h"
 #include "nnls_case.h"
 
 #if defined(__SANITIZE_ADDRESS__)

@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "certificate.h"
+#include "solve/conic/certificate.h"
 #include "conic_cases.h"
 
 /* Room for rounding below a bound of a few units with limits of 10: see sum_error(). */

@@ -12,9 +12,9 @@
 #include <cmocka.h>
 
 #include "distribution_scene.h"
-#include "geometry.h"
-#include "kernel_atan.h"
-#include "kernel_log1p.h"
+#include "model/geometry.h"
+#include "base/atan.h"
+#include "base/log1p.h"
 #include "support.h"
 
 #define UNIT 1.1102230246251565e-16L

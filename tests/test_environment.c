@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "brdffit_io.h"
-#include "environment.h"
+#include "base/environment.h"
 #include "support.h"
 
 /* ---- Environments ----------------------------------------------------------------------------------------- */

@@ -10,11 +10,11 @@
 
 #include <cmocka.h>
 
-#include "arena.h"
-#include "kernel_exp.h"
-#include "kernel_log.h"
+#include "base/arena.h"
+#include "base/exp.h"
+#include "base/log.h"
 #include "support.h"
-#include "tolerance.h"
+#include "base/tolerance.h"
 
 /* ---- kernels ------------------------------------------------------------------------------------------ */
 

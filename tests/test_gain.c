@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "nnls.h"
+#include "solve/nnls.h"
 #include "nnls_case.h"
-#include "tolerance.h"
+#include "base/tolerance.h"
 
 struct gram_case {
     double t[3], cosine[3]; /* cosines 01, 02, 12 */

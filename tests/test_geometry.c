@@ -10,9 +10,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "geometry.h"
+#include "model/geometry.h"
 #include "support.h"
-#include "tolerance.h"
+#include "base/tolerance.h"
 
 #define PI_L 3.14159265358979323846264338327950288L
 #define DEGREE ((double)(PI_L / 180.0L))

@@ -10,8 +10,8 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "axis.h"
-#include "heap.h"
+#include "search/axis.h"
+#include "search/heap.h"
 #include "support.h"
 
 /* ---- heap --------------------------------------------------------------------------------------------- */

@@ -141,7 +141,7 @@ static void open_sides(struct moments_case *m, struct sides *s)
     struct bound_moment *engine = &m->fit.moment;
     uint32_t p, c;
 
-    brdffit_moments_start(&engine->moments, &m->fit.data, m->fit.family, m->fit.varpro.kernels, 2);
+    brdffit_moments_start(&engine->moments, &m->fit.data, m->fit.kind, m->fit.varpro.kernels, 2);
     brdffit_intervals_start(&engine->intervals, &engine->moments);
     for (p = 0; p < 2; p++) {
         s->side[p] = brdffit_interval(&engine->intervals, p, 2 * p, 2 * p + 1, s->theta[p][0], s->theta[p][1]);

@@ -8,7 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "io/source.h"
+#include "io/bytes/source.h"
 #include "io_support.h"
 
 static const char text[] = "theta_i,theta_o,r\n0,0,1\n30,60,2\n";

@@ -2,7 +2,7 @@
  * gzip: looked through when sound, named exactly when not. SPDX-License-Identifier: MIT
  */
 #define _POSIX_C_SOURCE 200809L
-#include "io/gzip.h"
+#include "io/bytes/gzip.h"
 #include "io_support.h"
 
 static const char text[] = "theta_i,theta_o,r\n0,0,1\n30,60,2\n";

@@ -6,7 +6,7 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #define BRDFFIT_TEST_ALLOC
-#include "io/memory.c"
+#include "io/bytes/memory.c"
 
 #include <unistd.h>
 

@@ -6,8 +6,8 @@
 #include <locale.h>
 #include <math.h>
 
-#include "io/angle.h"
-#include "io/number.h"
+#include "io/csv/angle.h"
+#include "io/csv/number.h"
 #include "io_support.h"
 
 static locale_t c_locale;

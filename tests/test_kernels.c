@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "kernel_exp.h"
-#include "kernels.h"
-#include "lanes.h"
+#include "base/exp.h"
+#include "kernels/kernels.h"
+#include "base/lanes.h"
 
 #define COUNT 4096
 

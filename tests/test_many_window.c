@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "many.h"
+#include "batch/batch.h"
 #include "support.h"
 
 static long double polynomial(const double *c, size_t terms, long double t)
@@ -31,7 +31,7 @@ struct truth {
     long double d, u, phi[512];
 };
 
-static void truth_at(const struct many_fast *f, long double s, struct truth *at)
+static void truth_at(const struct batch_fast *f, long double s, struct truth *at)
 {
     size_t m, i;
 
@@ -50,18 +50,18 @@ static void truth_at(const struct many_fast *f, long double s, struct truth *at)
     }
 }
 
-static void check_polynomials(const struct many_fast *f, size_t w, long double t, const struct truth *at)
+static void check_polynomials(const struct batch_fast *f, size_t w, long double t, const struct truth *at)
 {
-    const struct many_window *window = &f->window[w];
+    const struct batch_window *window = &f->window[w];
     int more;
     size_t m;
 
-    if (!(fabsl(polynomial(window->d, MANY_TERMS_D, t) - at->d) <= window->d_error)) {
-        fail_msg("window %zu, t %Lg: D is off by %Lg, not %g", w, t, polynomial(window->d, MANY_TERMS_D, t) - at->d,
+    if (!(fabsl(polynomial(window->d, BATCH_TERMS_D, t) - at->d) <= window->d_error)) {
+        fail_msg("window %zu, t %Lg: D is off by %Lg, not %g", w, t, polynomial(window->d, BATCH_TERMS_D, t) - at->d,
                  window->d_error);
     }
     for (more = 0; more < 2; more++) {
-        size_t terms = more ? MANY_TERMS_MORE : MANY_TERMS, stride = more ? MANY_STRIDE_MORE : MANY_TERMS;
+        size_t terms = more ? BATCH_TERMS_MORE : BATCH_TERMS, stride = more ? BATCH_STRIDE_MORE : BATCH_TERMS;
         long double square = 0.0L, u = fabsl(polynomial(window->u[more], terms, t) - at->u);
 
         for (m = 0; m < f->distinct; m++) {
@@ -77,7 +77,7 @@ static void check_polynomials(const struct many_fast *f, size_t w, long double t
 }
 
 /* Gain of residuals r (one channel, orthogonal to a) at s. */
-static long double gain_of(const struct many_fast *f, const long double *r, const struct truth *at)
+static long double gain_of(const struct batch_fast *f, const long double *r, const struct truth *at)
 {
     long double n = 0.0L;
     size_t m, i;
@@ -91,7 +91,7 @@ static long double gain_of(const struct many_fast *f, const long double *r, cons
 }
 
 /* Residuals that make the most of the middle of the window (kind 0), or random ones; 1 their norm. */
-static void make_residuals(const struct many_fast *f, struct brdffit_test_random *random, int kind,
+static void make_residuals(const struct batch_fast *f, struct brdffit_test_random *random, int kind,
                            const struct truth *low, const struct truth *middle, const struct truth *high,
                            long double *r)
 {
@@ -116,9 +116,9 @@ static void make_residuals(const struct many_fast *f, struct brdffit_test_random
     }
 }
 
-static void check_screen(const struct many_fast *f, size_t w, struct brdffit_test_random *random)
+static void check_screen(const struct batch_fast *f, size_t w, struct brdffit_test_random *random)
 {
-    const struct many_window *window = &f->window[w];
+    const struct batch_window *window = &f->window[w];
     struct truth low, middle, high, at;
     long double r[512], most;
     int kind, j;
@@ -164,7 +164,7 @@ static void check_plan(const struct brdffit_test_spec *spec, double sigma_max)
     assert_non_null(plan->kernels); /* this geometry has a fast path, or the test tests nothing */
     assert_true(plan->fast.windows >= 1 && plan->fast.used <= 512);
     for (w = 0; w < plan->fast.windows; w++) {
-        const struct many_window *window = &plan->fast.window[w];
+        const struct batch_window *window = &plan->fast.window[w];
 
         for (j = 0; j < 12; j++) {
             long double t = j < 3 ? (long double)(j - 1) : brdffit_test_uniform(&random, -1.0, 1.0);
@@ -214,7 +214,7 @@ static void test_windows_meet(void **state)
     assert_int_equal(brdffit_plan_init(&data.samples, &options, memory, size, &plan, NULL), BRDFFIT_OK);
     assert_true(plan->fast.window[0].center - plan->fast.window[0].radius <= 1.0 / 36.0);
     for (w = 1; w < plan->fast.windows; w++) {
-        const struct many_window *left = &plan->fast.window[w - 1], *right = &plan->fast.window[w];
+        const struct batch_window *left = &plan->fast.window[w - 1], *right = &plan->fast.window[w];
 
         assert_true((long double)left->center + left->radius >= (long double)right->center - right->radius);
     }

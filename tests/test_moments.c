@@ -132,7 +132,7 @@ static void test_nodes(void **state)
             mc_free(&m);
             continue;
         }
-        brdffit_moments_start(&m.fit.moment.moments, &m.fit.data, m.fit.family, m.fit.varpro.kernels, 2);
+        brdffit_moments_start(&m.fit.moment.moments, &m.fit.data, m.fit.kind, m.fit.varpro.kernels, 2);
         for (i = 0; i < 6; i++) {
             double theta = draw_theta(&m, &random);
             const struct node *node = node_at(&m, (uint32_t)i, theta);
@@ -162,7 +162,7 @@ static void test_omega(void **state)
             mc_free(&m);
             continue;
         }
-        brdffit_moments_start(&m.fit.moment.moments, &m.fit.data, m.fit.family, m.fit.varpro.kernels, 1);
+        brdffit_moments_start(&m.fit.moment.moments, &m.fit.data, m.fit.kind, m.fit.varpro.kernels, 1);
         for (i = 0; i < m.count; i++) {
             aa += mc_a(&m, i) * mc_a(&m, i);
         }
@@ -229,7 +229,7 @@ static void test_pairs(void **state)
             mc_free(&m);
             continue;
         }
-        brdffit_moments_start(&m.fit.moment.moments, &m.fit.data, m.fit.family, m.fit.varpro.kernels, 2);
+        brdffit_moments_start(&m.fit.moment.moments, &m.fit.data, m.fit.kind, m.fit.varpro.kernels, 2);
         for (i = 0; i < 5; i++) {
             theta[i] = draw_theta(&m, &random);
             (void)brdffit_moments_node(&m.fit.moment.moments, i, theta[i]);
@@ -253,7 +253,7 @@ static void test_pair_cache(void **state)
 
     (void)state;
     mc_new(&m, 3);
-    brdffit_moments_start(moments, &m.fit.data, m.fit.family, m.fit.varpro.kernels, 2);
+    brdffit_moments_start(moments, &m.fit.data, m.fit.kind, m.fit.varpro.kernels, 2);
     for (i = 0; i < 80; i++) {
         (void)brdffit_moments_node(moments, i, -5.0 + 0.1 * i);
         first[i] = *brdffit_moments_pair(moments, i, 79 - i < i ? 79 - i : i);
@@ -293,7 +293,7 @@ static void test_shapes_not_kept(void **state)
             mc_free(&m);
             continue;
         }
-        brdffit_moments_start(moments, &m.fit.data, m.fit.family, m.fit.varpro.kernels, 2);
+        brdffit_moments_start(moments, &m.fit.data, m.fit.kind, m.fit.varpro.kernels, 2);
         for (i = 0; i < 2; i++) {
             kept[i] = *brdffit_moments_node(moments, i, -1.0 + 4.0 * i);
             tau[i] = kept[i].tau[0];
@@ -301,7 +301,7 @@ static void test_shapes_not_kept(void **state)
         }
         pair = *brdffit_moments_pair(moments, 0, 1);
         moments->phi_doubles = 0;
-        brdffit_moments_start(moments, &m.fit.data, m.fit.family, m.fit.varpro.kernels, 2);
+        brdffit_moments_start(moments, &m.fit.data, m.fit.kind, m.fit.varpro.kernels, 2);
         for (i = 0; i < 2; i++) {
             const struct node *node = brdffit_moments_node(moments, i, -1.0 + 4.0 * i);
 
@@ -318,7 +318,7 @@ static void test_shapes_not_kept(void **state)
 static void test_family_variable(void **state)
 {
     static const double c_min[] = {0.0, 1e-300, 1e-12, 1.0, 1e6, 1e30, 1e60, 1e90, LIMIT_C};
-    const struct family *family[2] = {&brdffit_family_exponential, &brdffit_family_ggx};
+    const struct lobe_kind *family[2] = {&brdffit_lobe_beckmann, &brdffit_lobe_ggx};
     size_t i, f;
 
     (void)state;

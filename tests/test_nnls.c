@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "nnls.h"
+#include "solve/nnls.h"
 #include "nnls_case.h"
 
 /* Smallest ||data - A z||^2 over z >= 0 by enumeration of supports with long double Gram-Schmidt. */

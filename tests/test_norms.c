@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "fit.h"
+#include "fit/fit.h"
 #include "support.h"
 
 static brdffit_options options_of(brdffit_norm norm, int lobes)

@@ -2,7 +2,7 @@
  * The reduction at its edges: which c merge, samples without a lobe, data of any size.
  * SPDX-License-Identifier: MIT
  */
-#include "geometry.h"
+#include "model/geometry.h"
 #include "reduce_case.h"
 
 /* ---- merging ------------------------------------------------------------------------------------------ */

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "support.h"
-#include "tolerance.h"
+#include "base/tolerance.h"
 
 static brdffit_options options_of(int lobes, size_t budget)
 {

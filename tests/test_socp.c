@@ -17,7 +17,7 @@
 #include <cmocka.h>
 
 #include "conic_cases.h"
-#include "socp.h"
+#include "solve/conic/socp.h"
 
 #ifdef BRDFFIT_NO_ECOS
 

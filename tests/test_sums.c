@@ -4,7 +4,7 @@
  */
 #include "reduce_case.h"
 
-#include "sums.h"
+#include "data/sums.h"
 #include "verify.h"
 
 /* The problem's samples as sums, given in `chunks` parts. */

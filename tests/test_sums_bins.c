@@ -12,7 +12,7 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "sums.h"
+#include "data/sums.h"
 #include "support.h"
 
 #define CHANNELS 2

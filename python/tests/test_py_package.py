@@ -50,7 +50,7 @@ def test_sdist_has_all_that_make_needs(tmp_path):
     archive, = tmp_path.glob("brdffit-*.tar.gz")
     assert run("tar", "-xzf", str(archive), "-C", str(tmp_path)).returncode == 0
     inside = tmp_path / archive.name.removesuffix(".tar.gz")
-    sources = sorted(p.relative_to(ROOT) for p in [*ROOT.glob("src/*.c"), *ROOT.glob("src/io/*.c")])
+    sources = sorted(p.relative_to(ROOT) for p in ROOT.glob("src/**/*.c"))
     assert all((inside / "c" / p).read_bytes() == (ROOT / p).read_bytes() for p in sources)
     assert not list(inside.rglob("*.so")) and not list(inside.rglob("__pycache__"))
     kept = {k: "" for k in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}

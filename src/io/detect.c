@@ -5,14 +5,14 @@
  * make the file binary, that is MERL that something happened to, unless the twelve bytes of its header could be
  * the start of a line of text: then it is text with bad bytes in it, and the line that holds them gets named.
  */
-#include "detect.h"
+#include "io/detect.h"
 
 #include <string.h>
 
-#include "fail.h"
-#include "gzip.h"
-#include "limits.h"
-#include "merl.h"
+#include "io/fail.h"
+#include "io/bytes/gzip.h"
+#include "io/limits.h"
+#include "io/merl/merl.h"
 
 static int is_control(unsigned char c)
 {

@@ -1,7 +1,7 @@
 /*
  * Filling in brdffit_error: see fail.h. SPDX-License-Identifier: MIT
  */
-#include "fail.h"
+#include "io/fail.h"
 
 brdffit_status brdffit_io_fail_at(brdffit_error *error, brdffit_status status, const char *message,
                                   const struct io_place *place, double value)

@@ -1,12 +1,12 @@
 /*
  * Options of the readers: defaults, checks, names. SPDX-License-Identifier: MIT
  */
-#include "options.h"
+#include "io/options.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "fail.h"
+#include "io/fail.h"
 
 void brdffit_io_options_init(brdffit_io_options *options)
 {

@@ -1,9 +1,9 @@
 /*
  * The paper's 84 directions. SPDX-License-Identifier: MIT
  */
-#include "angle.h"
+#include "io/csv/angle.h"
 #include "brdffit_io.h"
-#include "environment.h"
+#include "base/environment.h"
 
 ENVIRONMENT_APART static void directions(double light[84 * 3], double view[84 * 3])
 {

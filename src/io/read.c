@@ -3,17 +3,17 @@
  */
 #include <string.h>
 
-#include "bytes.h"
-#include "csv.h"
-#include "detect.h"
-#include "environment.h"
-#include "fail.h"
-#include "gzip.h"
-#include "limits.h"
-#include "merl.h"
-#include "options.h"
-#include "source.h"
-#include "table.h"
+#include "io/bytes/bytes.h"
+#include "io/csv/csv.h"
+#include "io/detect.h"
+#include "base/environment.h"
+#include "io/fail.h"
+#include "io/bytes/gzip.h"
+#include "io/limits.h"
+#include "io/merl/merl.h"
+#include "io/options.h"
+#include "io/bytes/source.h"
+#include "io/table.h"
 
 /* Unpacked content into a new table, in the default floating-point environment. */
 ENVIRONMENT_APART static brdffit_status parse_there(const unsigned char *data, size_t size,

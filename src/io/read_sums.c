@@ -3,16 +3,16 @@
  */
 #include <string.h>
 
-#include "bytes.h"
-#include "environment.h"
-#include "fail.h"
-#include "gzip.h"
-#include "limits.h"
-#include "map.h"
-#include "merl.h"
-#include "options.h"
-#include "source.h"
-#include "table.h"
+#include "io/bytes/bytes.h"
+#include "base/environment.h"
+#include "io/fail.h"
+#include "io/bytes/gzip.h"
+#include "io/limits.h"
+#include "io/bytes/map.h"
+#include "io/merl/merl.h"
+#include "io/options.h"
+#include "io/bytes/source.h"
+#include "io/table.h"
 
 static int is_merl(const unsigned char *data, size_t size)
 {

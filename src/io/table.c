@@ -1,12 +1,12 @@
 /*
  * What is behind a brdffit_table: see table.h. SPDX-License-Identifier: MIT
  */
-#include "table.h"
+#include "io/table.h"
 
 #include <stdint.h>
 #include <string.h>
 
-#include "memory.h"
+#include "io/bytes/memory.h"
 
 struct io_table *brdffit_io_table_new(void)
 {

@@ -5,8 +5,8 @@
 #define BRDFFIT_IO_TABLE_H
 
 #include "brdffit_io.h"
-#include "bytes.h"
-#include "map.h"
+#include "io/bytes/bytes.h"
+#include "io/bytes/map.h"
 
 enum io_array {
     IO_LIGHT = 0, /* 3 a sample */

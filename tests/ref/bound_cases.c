@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "bound_case.h"
-#include "fit.h"
+#include "fit/fit.h"
 
 #define POINTS 5
 
@@ -62,7 +62,7 @@ static double bound_of(struct fit *f, int lobes, const double range[4])
     f->axis.nodes = 4;
     box.bound = INFINITY; /* unreachable: every bound is tried */
     box.interval[1] = lobes > 1 ? 1 : 0;
-    brdffit_bound_moment_start(&f->moment, &f->data, f->family, f->varpro.kernels, &f->axis, lobes);
+    brdffit_bound_moment_start(&f->moment, &f->data, f->kind, f->varpro.kernels, &f->axis, lobes);
     if (lobes > 1) {
         (void)brdffit_bound_moment_two(&f->moment, &box, &met);
     } else {

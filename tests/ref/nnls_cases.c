@@ -5,7 +5,7 @@
  */
 #include <stdlib.h>
 
-#include "nnls.h"
+#include "solve/nnls.h"
 #include "nnls_case.h"
 
 #define RECORD (2 + 3 * CASE_ROWS + CASE_ROWS + 3 + 2)

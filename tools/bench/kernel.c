@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "kernels.h"
+#include "kernels/kernels.h"
 
 /*
  * Additions, subtractions and multiplications per distinct c (src/kernels_sums.h, src/kernel_exp.h):

@@ -80,7 +80,7 @@ editable() {
     [ "$(cd / && "$scratch/editable/bin/python" -c 'import brdffit; print(brdffit.MARK)')" = changed ] ||
         fail "a change of the Python sources is not seen"
     # The C sources: the same command again compiles what has changed.
-    echo 'const char brdffit_mark[] = "a change of package.sh";' >> "$tree/src/status.c"
+    echo 'const char brdffit_mark[] = "a change of package.sh";' >> "$tree/src/base/status.c"
     touch "$scratch/before"
     (cd "$tree" && "$scratch/editable/bin/pip" install -e ./python)
     fresh=$(find "$tree/build/python/obj/src" -name '*.o' -newer "$scratch/before" | wc -l)

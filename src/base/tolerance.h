@@ -1,0 +1,129 @@
+/*
+ * Every tolerance and limit of the library: name, unit, why this value.
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_TOLERANCE_H
+#define BRDFFIT_TOLERANCE_H
+
+/* Half a unit in the last place of 1: the rounding unit u of IEEE double. */
+#define TOL_UNIT 1.1102230246251565e-16
+
+/* Smallest roughness that an option may ask for: sigma^-2 = 1e24 stays far from overflow. */
+#define LIMIT_SIGMA_MIN 1e-12
+/* Largest: beyond, every lobe is the same smooth function to rounding. */
+#define LIMIT_SIGMA_MAX 1e3
+/* The same limits of s for distributions whose parameter is the exponent, s = n. */
+#define LIMIT_EXPONENT_MIN 1e-6
+#define LIMIT_EXPONENT_MAX 1e24
+
+/* cos(max_incidence) is compared with this absolute allowance, so that a light at exactly the limit
+ * counts whatever its trigonometric functions rounded to (60 degrees: 4 ulp of cos). */
+#define TOL_INCIDENCE 1e-12
+
+/* Radians: directions are taken to be known to this (brdffit.h), so half-vector angles within it are one. */
+#define TOL_ANGLE 1e-15
+/* Relative to c - c_min: larger changes by that merging are left alone, where they would cost the bound. */
+#define TOL_SNAP 1e-13
+
+/* A direction whose cosine with the normal is below this counts as on the horizon: c and b stay finite. */
+#define LIMIT_GRAZING 1e-30
+
+/* Largest ratio of two non-zero b (or a) that squares into a double with room for sums. */
+#define LIMIT_COEFFICIENT_RATIO 1e140
+/* Products of two shapes below exp(-this) = 5e-301 are left out of sums: a relative 1e-20 with that ratio. */
+#define PAIR_EXPONENT 690.0
+/* Largest c (tan^2 alpha): its products with s stay finite. */
+#define LIMIT_C 1e100
+/* Smallest largest value of a channel: coefficients in the data's units must keep their digits. */
+#define LIMIT_SMALLEST 1e-304
+/* Largest magnitude of data that is minimised in its own units: its square must stay finite. */
+#define LIMIT_VALUE 1e150
+
+/* Fewer effective samples than this: a lobe is a fit to single samples (theory 4.5). */
+#define LIMIT_EFFECTIVE_SAMPLES 3.0
+
+/*
+ * The tail of s (theory 4.1): beyond s_tail the normalised lobe is within exp(-TAIL_EXPONENT) = 4e-18 of its
+ * limit, so that whole tail is one point. The inflation of the bound's inputs below covers the difference.
+ */
+#define TAIL_EXPONENT 40.0
+
+/* y = y' exp(c_min s) / lambda(s) must be a finite double: c_min s may not exceed this (exp(690) = 1e299, and no
+ * lambda that is not s itself is below 1 / (8 pi)). */
+#define LIMIT_EXPONENT 690.0
+
+/*
+ * Rounding of the moments, in units of u relative to a sum of positive terms (moments.c): 64-sample blocks,
+ * compensated across blocks (reduce.c), then 8 lanes of M/8 terms, exp within 2 u, products and a root:
+ * TOL_MOMENT_BASE + M / 8 with a factor of 2 to spare. Inputs of the bound are inflated by this much.
+ */
+#define TOL_MOMENT_BASE 100.0
+/*
+ * What rows made of sums (sums_reduce.c) may be off, in units of u relative to (|a x| + |b Y| + |I|)^2: sums within 80
+ * (table_row.h, sums.h), their factors within 8, Cholesky within 16, and its shift of 160 at most. The
+ * optimum has no negative terms, so that each norm is at most |I|: its objective is off by at most 9 such units of the data's sum of squares.
+ */
+#define TOL_GRAM 320.0
+/* Sums keep products of weights and coefficients without scaling them: each non-zero b and w within this of 1, and a
+ * and |I| below the second, so that w^2 b^4 and w I^2 are normal numbers with room for 1e8 samples. */
+#define LIMIT_SUMS_RANGE 1e50
+#define LIMIT_SUMS_VALUE 1e100
+
+/* Evaluation of the restricted gain (gain.h), at most 64, and of the climb over a box (gains.h), in units of u
+ * relative to |t|^2. */
+#define TOL_GAIN 128.0
+/* Relative inflation of curvature bounds, whose own rounding is about 1e-13 at worst. */
+#define TOL_CURVATURE 1e-10
+
+/* Relative rounding of one lobe value from our exp (arguments to 708) with its slope and tilt: 1e-13 (bound_lp). */
+#define TOL_SHAPE 1e-12
+
+/* Off-diagonals of a Gram matrix are kept this far below 1 (lower is the safe side of a bound). */
+#define LIMIT_COSINE (1.0 - 1e-15)
+
+/* A column is dependent on earlier ones when less than this part of its norm is new (nnls.c). */
+#define TOL_DEPENDENT 4e-16
+
+/* An objective this close to the optimum is the optimum to rounding: relative to E^2, and to the data's sum of
+ * squares (residuals of an exact fit are a few u of the data each). */
+#define TOL_FLAT_RELATIVE 1e-12
+#define TOL_FLAT_ABSOLUTE 1e-28
+/* Of norms l1 and linf, whose objective is not squared, relative to that of the zero model. */
+#define TOL_FLAT_LINEAR 1e-14
+/* Step in ln s that shows whether the objective is flat; 0.5 % of sigma. */
+#define FLAT_STEP 0.01
+/* The second derivative alone decides where it says this many times what counts as a change. */
+#define FLAT_DOUBT 1e3
+/* Ends of a flat stretch are found to this in ln s; they are never outside of it. */
+#define FLAT_END 1e-3
+/* Longest step in ln s along a flat stretch: between two such points the objective is taken to be level too. */
+#define FLAT_STRIDE 0.15
+
+/* Newton steps of one refinement; it converges quadratically, so this is only ever a guard. */
+#define LIMIT_REFINE_STEPS 60
+
+/* An interval of ln s narrower than this relative to its magnitude is not split: the midpoint would round. */
+#define LIMIT_SPLIT 1e-14
+
+/* Internal caps that size the workspace; a smaller box budget lowers them. */
+#define LIMIT_NODES_ONE 2048
+#define LIMIT_NODES_TWO 8192
+#define LIMIT_NODES_SOCP 1048576
+#define LIMIT_HEAP 262144
+/* The first nodes keep their lobe shape (M doubles each), up to this many doubles together. */
+#define LIMIT_SHAPE_DOUBLES ((size_t)16 << 20)
+
+/*
+ * An interval whose mean exponent changes by more than this is refined by its halves, or by its quarters
+ * (bound.c): wide intervals have loose shifts, and many boxes share an interval.
+ */
+#define REFINE_ONCE 0.02
+#define REFINE_TWICE 0.3
+
+/* Boxes whose mean exponents change by less than this in all are not bounded by plain ranges. */
+#define MONOTONE_LEAST 0.5
+
+/* First partition of the axis: this many intervals, a power of two. */
+#define FIRST_INTERVALS 8
+
+#endif

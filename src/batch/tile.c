@@ -1,0 +1,195 @@
+/*
+ * A tile of texels: into lanes, through the plan's kernels, and back to the caller's units; texels that have no
+ * place there take the general path, and so does the fit of two lobes. SPDX-License-Identifier: MIT
+ */
+#include <math.h>
+
+#include "fit/fit.h"
+#include "batch/batch.h"
+#include "base/vector.h"
+
+/* Channels whose magnitudes are further from their scale than this, or from 1, take the general path. */
+#define FAR 1e30
+#define FAR_SCALE 1e100
+
+/* Divisors of one texel's channels, as reduce.c chooses them; 0 when it is none for the kernels. */
+static int choose_scales(const brdffit_plan *plan, struct batch_tile *tile, size_t lane)
+{
+    size_t K = plan->geometry.channels, k;
+    double all = 0.0, relative = 0.0;
+
+    for (k = 0; k < K; k++) {
+        all = fmax(all, tile->scan.magnitude[k * LANES + lane]);
+    }
+    if (!(tile->scan.not_finite[lane] == 0.0 && all > 0.0)) {
+        return 0;
+    }
+    for (k = 0; k < K; k++) {
+        double *scale = &tile->scale[k * LANES + lane], size = tile->scan.magnitude[k * LANES + lane];
+        double largest = tile->scan.largest[k * LANES + lane];
+
+        *scale = plan->options.normalise == BRDFFIT_NORMALISE_NONE ? power_of_two(all) : largest > 0.0 ? largest : 1.0;
+        if (!(*scale >= 1.0 / FAR_SCALE && *scale <= FAR_SCALE && size <= FAR * *scale &&
+              (size == 0.0 || size >= 1.0 / FAR_SCALE))) {
+            return 0;
+        }
+        relative = fmax(relative, size / *scale);
+    }
+    return relative >= 1.0 / FAR;
+}
+
+static void clear_lane(const struct batch_fast *f, struct batch_tile *tile, size_t lane)
+{
+    size_t i, k;
+
+    for (i = 0; i < f->used * f->channels; i++) {
+        tile->value[i * LANES + lane] = 0.0;
+    }
+    for (k = 0; k < f->channels; k++) {
+        tile->scale[k * LANES + lane] = 1.0;
+    }
+}
+
+static double sigma_of(const brdffit_plan *plan, double s)
+{
+    const brdffit_options *o = &plan->options;
+    double sigma = 1.0 / sqrt(s);
+
+    if (plan->fast.kind->by_exponent) {
+        return s <= plan->fast.s_low ? 1.0 / sqrt(o->exponent_min) : sigma;
+    }
+    return s <= plan->fast.s_low ? o->sigma_max : fmax(fmin(sigma, o->sigma_max), o->sigma_min);
+}
+
+/* What turns a lane's objective into the caller's units. */
+static double unit_of(const brdffit_plan *plan, const struct batch_tile *tile, size_t lane)
+{
+    double value = plan->options.normalise == BRDFFIT_NORMALISE_NONE ? tile->scale[lane] : 1.0;
+
+    return plan->fast.scale_w * (value * value);
+}
+
+/* A certified lane to a result; 0 when a coefficient is beyond any double, which a fit leaves out of its domain. */
+static int keep(const brdffit_plan *plan, const struct batch_tile *tile, size_t lane, struct batch_result *r)
+{
+    const struct batch_fast *f = &plan->fast;
+    const struct batch_outcome *out = &tile->outcome[lane];
+    int none = plan->options.normalise == BRDFFIT_NORMALISE_NONE;
+    double unit = unit_of(plan, tile, lane), factor = f->kind->factor(f->c_min, out->s);
+    size_t k;
+    int finite = 1;
+
+    r->status = BRDFFIT_TEXEL_CERTIFIED;
+    r->stop = out->absolute ? BRDFFIT_STOP_ABSOLUTE_GAP : BRDFFIT_STOP_RELATIVE_GAP;
+    r->where = BRDFFIT_NONE;
+    r->boxes = out->boxes;
+    r->nodes = out->nodes;
+    r->general = r->one_lobe_enough = 0;
+    r->e2 = out->e2 * unit;
+    r->lower_bound = out->lower_bound * unit;
+    r->sum_of_squares = out->total * unit;
+    r->sigma[0] = sigma_of(plan, out->s);
+    for (k = 0; k < f->channels; k++) {
+        double scale = tile->scale[k * LANES + lane];
+
+        r->x[k] = f->root_a > 0.0 ? tile->x[k * LANES + lane] / f->root_a * scale / f->scale_a : 0.0;
+        r->y[k] = tile->y[k * LANES + lane] * scale / f->scale_b / factor;
+        r->channel_scale[k] = none ? 1.0 : scale;
+        finite = finite && isfinite(r->x[k]) && isfinite(r->y[k]);
+    }
+    return finite;
+}
+
+/* Every used value is zero. */
+static void keep_nothing(const brdffit_plan *plan, struct batch_result *r)
+{
+    size_t k;
+
+    r->status = BRDFFIT_TEXEL_NO_SIGNAL;
+    r->stop = BRDFFIT_STOP_RELATIVE_GAP;
+    r->where = BRDFFIT_NONE;
+    r->boxes = r->nodes = 0;
+    r->general = r->one_lobe_enough = 0;
+    r->e2 = r->lower_bound = r->sum_of_squares = 0.0;
+    r->sigma[0] = sigma_of(plan, plan->fast.s_low);
+    for (k = 0; k < plan->fast.channels; k++) {
+        r->x[k] = r->y[k] = 0.0;
+        r->channel_scale[k] = 1.0;
+    }
+}
+
+static int no_signal(const struct batch_tile *tile, size_t channels, size_t lane)
+{
+    double all = tile->scan.not_finite[lane];
+    size_t k;
+
+    for (k = 0; k < channels; k++) {
+        all += tile->scan.magnitude[k * LANES + lane];
+    }
+    return all == 0.0;
+}
+
+static void fit_lanes(struct batch *batch)
+{
+    const brdffit_plan *plan = batch->plan;
+    struct batch_tile *tile = &batch->tile;
+    struct batch_rules rules = {plan->options.relative_gap, plan->options.absolute_gap};
+    const double *row[BATCH_TILE];
+    unsigned char live[BATCH_TILE];
+    size_t l;
+    int any = 0;
+
+    for (l = 0; l < BATCH_TILE; l++) {
+        row[l] = batch->row[l < batch->filled ? l : 0];
+    }
+    plan->kernels->load(&plan->fast, row, tile, &tile->scan);
+    for (l = 0; l < BATCH_TILE; l++) {
+        live[l] = (unsigned char)(l < batch->filled && choose_scales(plan, tile, l));
+        tile->outcome[l].certified = 0;
+        any = any || live[l];
+        if (!live[l]) {
+            clear_lane(&plan->fast, tile, l);
+        }
+    }
+    if (any) {
+        plan->kernels->tile(&plan->fast, &rules, tile, live);
+    }
+}
+
+/* Two lobes: the ordinary fit, and whether its bound leaves room for a second lobe to be of use. */
+static void fit_two(struct batch *batch, size_t l)
+{
+    const brdffit_plan *plan = batch->plan;
+    struct batch_result *r = &batch->result[l];
+
+    brdffit_batch_general(plan, batch, batch->row[l], r);
+    if (plan->kernels && batch->tile.outcome[l].certified && r->status <= BRDFFIT_TEXEL_OPEN) {
+        double one = batch->tile.outcome[l].e2 * unit_of(plan, &batch->tile, l);
+
+        r->one_lobe_enough = one <= (1.0 + plan->options.relative_gap) * r->lower_bound ||
+                             one - r->lower_bound <= plan->options.absolute_gap * r->sum_of_squares;
+    }
+}
+
+void brdffit_batch_tile(struct batch *batch)
+{
+    const brdffit_plan *plan = batch->plan;
+    size_t l;
+
+    if (plan->kernels) {
+        fit_lanes(batch);
+    }
+    for (l = 0; l < batch->filled; l++) {
+        struct batch_result *r = &batch->result[l];
+
+        if (plan->options.lobes > 1) {
+            fit_two(batch, l);
+        } else if (plan->kernels && batch->tile.outcome[l].certified && keep(plan, &batch->tile, l, r)) {
+            continue;
+        } else if (plan->kernels && no_signal(&batch->tile, plan->fast.channels, l)) {
+            keep_nothing(plan, r);
+        } else {
+            brdffit_batch_general(plan, batch, batch->row[l], r);
+        }
+    }
+}

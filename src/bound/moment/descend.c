@@ -1,0 +1,202 @@
+/*
+ * Descent in moment space: see descend.h. SPDX-License-Identifier: MIT
+ *
+ * With t, M of theory 2 and z the optimum on its support S, J = sum_k 2 t.z_k - z_k'M z_k has for lobe p and s = s_p
+ *
+ *     J_p  = sum_k 2 z_p r_p,                r = t_p' - kappa_p' z_0 - mu_p' z_q     (primes: by s_p)
+ *     J_pp = sum_k 2 z_p (t_p'' - kappa_p'' z_0 - mu_pp z_q)  +  2 v_p' (M_S)^-1 v_p
+ *     J_pq = sum_k - 2 z_p z_q mu_pq                          +  2 v_p' (M_S)^-1 v_q
+ *
+ * where v_p is the derivative of t - M z with z held: -kappa_p' z_p at 0, r_p at p, -mu_p' z_p at q. The derivatives of
+ * tau, kappa and mu come from the sums about a lobe's mean (theory 4.2): with x = c - mean
+ *
+ *     tau' = - sum I x g^,   tau'' = sum I x^2 g^ - 2 m2 tau,   mu_p' = - mu d_p,   d_p = mean(pair) - mean(p),
+ *     mu_pp = mu (var + d_p^2 - 2 m2),   mu_pq = mu (var + d_p d_q).
+ *
+ * Finally d/dtheta = s d/ds.
+ */
+#include "bound/moment/descend.h"
+
+#include <math.h>
+
+#include "solve/newton.h"
+#include "solve/nnls.h"
+
+struct descender {
+    struct moments *moments;
+    int lobes;
+};
+
+/* Value, first and second derivative by s. */
+struct jet {
+    double value, first, second;
+};
+
+/* A point: everything that does not depend on the channel. */
+struct spot {
+    const struct node *node[2];
+    struct jet kappa[2];
+    double mu, mu_first[2], mu_second[2], mu_mixed;
+    struct nnls nnls;
+};
+
+static struct jet jet_of(const struct node *node, const struct functional *f, double scale)
+{
+    double value = f->f0 * scale;
+    struct jet jet = {value, -f->f1 * scale, f->f2 * scale - 2.0 * node->m2 * value};
+
+    return jet;
+}
+
+static double inverse_root(const struct node *node)
+{
+    return node->root > 0.0 ? 1.0 / node->root : 0.0;
+}
+
+static struct jet tau_of(const struct moments *m, const struct node *node, size_t k)
+{
+    size_t K = m->data->bounded;
+    struct jet jet = jet_of(node, &node->functional[1 + k], inverse_root(node));
+
+    if (m->data->functionals > 1 + K) {
+        struct jet minus = jet_of(node, &node->functional[1 + K + k], inverse_root(node));
+
+        jet.value -= minus.value;
+        jet.first -= minus.first;
+        jet.second -= minus.second;
+    }
+    return jet;
+}
+
+static void open_pair(struct moments *m, struct spot *s)
+{
+    struct pair pair = brdffit_moments_scratch_pair(m);
+    double d[2];
+    int p;
+
+    s->mu = pair.value * inverse_root(s->node[0]) * inverse_root(s->node[1]);
+    for (p = 0; p < 2; p++) {
+        d[p] = pair.mean - s->node[p]->mean;
+        s->mu_first[p] = -s->mu * d[p];
+        s->mu_second[p] = s->mu * (pair.variance + d[p] * d[p] - 2.0 * s->node[p]->m2);
+    }
+    s->mu_mixed = s->mu * (pair.variance + d[0] * d[1]);
+}
+
+static void open_spot(struct moments *m, int lobes, const struct point *at, struct spot *s)
+{
+    double inverse_a = m->data->aa > 0.0 ? 1.0 / sqrt(m->data->aa) : 0.0, cosine[3];
+    int p;
+
+    for (p = 0; p < lobes; p++) {
+        s->node[p] = brdffit_moments_scratch(m, (uint32_t)p, at->theta[p]);
+    }
+    for (p = 0; p < lobes; p++) {
+        s->kappa[p] = jet_of(s->node[p], &s->node[p]->functional[0], inverse_root(s->node[p]) * inverse_a);
+    }
+    s->mu = s->mu_mixed = 0.0;
+    s->mu_first[0] = s->mu_first[1] = s->mu_second[0] = s->mu_second[1] = 0.0;
+    if (lobes > 1) {
+        open_pair(m, s);
+    }
+    cosine[0] = s->kappa[0].value;
+    cosine[1] = lobes > 1 ? s->kappa[1].value : 0.0;
+    cosine[2] = s->mu;
+    brdffit_nnls_factor_gram(&s->nnls, 1 + lobes, cosine);
+}
+
+/* U'^-1 v over the support, with M_S = U'U. */
+static void reduce(const struct nnls_support *s, const double *v, double *out)
+{
+    int i, j;
+
+    for (j = 0; j < s->count; j++) {
+        out[j] = v[s->index[j]];
+        for (i = 0; i < j; i++) {
+            out[j] -= s->upper[i][j] * out[i];
+        }
+        out[j] /= s->upper[j][j];
+    }
+}
+
+/* Add a channel to the value, the gradient and the Hessian of J by s. */
+static void add_channel(const struct descender *d, const struct spot *s, size_t k, struct varpro_value *j)
+{
+    const struct moments *m = d->moments;
+    double t[NNLS_COLUMNS] = {0.0, 0.0, 0.0}, z[NNLS_COLUMNS], w[2][NNLS_COLUMNS];
+    struct jet tau[2];
+    unsigned support;
+    int p, q, i;
+
+    t[0] = m->data->aa > 0.0 ? m->data->bound_root[k] * m->data->ai[m->data->bound_channel[k]] / sqrt(m->data->aa)
+                             : 0.0;
+    for (p = 0; p < d->lobes; p++) {
+        tau[p] = tau_of(m, s->node[p], k);
+        t[1 + p] = tau[p].value;
+    }
+    support = brdffit_nnls_support(&s->nnls, t, z);
+    for (i = 0; i <= d->lobes; i++) {
+        j->objective += z[i] * t[i]; /* stationary: 2 t.z - z'Mz = t.z */
+    }
+    for (p = 0; p < d->lobes; p++) {
+        double other = d->lobes > 1 ? z[2 - p] : 0.0, v[NNLS_COLUMNS];
+
+        v[0] = -s->kappa[p].first * z[1 + p];
+        v[1 + p] = tau[p].first - s->kappa[p].first * z[0] - s->mu_first[p] * other;
+        if (d->lobes > 1) {
+            v[2 - p] = -s->mu_first[p] * z[1 + p];
+        }
+        reduce(&s->nnls.support[support], v, w[p]);
+        j->gradient[p] += 2.0 * z[1 + p] * v[1 + p];
+        if (z[1 + p] > 0.0) {
+            j->hessian[p][p] += 2.0 * z[1 + p] * (tau[p].second - s->kappa[p].second * z[0] - s->mu_second[p] * other);
+        }
+    }
+    for (p = 0; p < d->lobes; p++) {
+        for (q = 0; q < d->lobes; q++) {
+            if (!(z[1 + p] > 0.0 && z[1 + q] > 0.0)) {
+                continue; /* a lobe that this channel does not use has no say in its roughness */
+            }
+            j->hessian[p][q] -= p == q ? 0.0 : 2.0 * z[1] * z[2] * s->mu_mixed;
+            for (i = 0; i < s->nnls.support[support].count; i++) {
+                j->hessian[p][q] += 2.0 * w[p][i] * w[q][i];
+            }
+        }
+    }
+}
+
+/* E^2 = T - J, by theta = ln s. */
+static void evaluate(void *self, const struct point *at, int derivatives, struct varpro_value *value)
+{
+    static const struct varpro_value zero;
+    const struct descender *d = self;
+    struct varpro_value j = zero;
+    struct spot spot;
+    size_t k;
+    int p, q;
+
+    (void)derivatives;
+    open_spot(d->moments, d->lobes, at, &spot);
+    for (k = 0; k < d->moments->data->bounded; k++) {
+        add_channel(d, &spot, k, &j);
+    }
+    *value = zero;
+    value->objective = fmax(d->moments->data->total - j.objective, 0.0);
+    for (p = 0; p < d->lobes; p++) {
+        double s = spot.node[p]->u;
+
+        value->gradient[p] = -s * j.gradient[p];
+        for (q = 0; q < d->lobes; q++) {
+            value->hessian[p][q] = -s * spot.node[q]->u * j.hessian[p][q];
+        }
+        value->hessian[p][p] += value->gradient[p];
+    }
+}
+
+void brdffit_moment_descend(struct moments *m, int lobes, double low, double high, struct point *point)
+{
+    struct descender descender = {m, lobes};
+    const struct newton descent = {&descender, evaluate, lobes, low, high, m->slack};
+
+    (void)brdffit_newton(&descent, point);
+}

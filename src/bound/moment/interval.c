@@ -1,0 +1,247 @@
+/*
+ * Deviations from the chord over an interval: see interval.h. SPDX-License-Identifier: MIT
+ *
+ * Let g^ be the normalised lobe, x = -ell (c' for exponential families), means under p = bb phi^2 / H. For a
+ * functional W~(u) = sum W phi / sqrt(H) with W >= 0 (theory 4.2 and 4.4)
+ *
+ *     W~'' = sum W [(x - mean)^2 + slope] g^  -  [E slope + 2 Var x] W~
+ *
+ * On [l, u] every phi, H, x and slope is decreasing, so with ends only (theory 4.2, "signed deviations"):
+ *
+ *     W~'' <= max_{c0 in {mean(l), mean(u)}} sum W (x - c0)^2 phi(l) / sqrt(H(u))  -  inf[..] inf W~
+ *     W~'' >= min_{c0 in [mean(u), mean(l)]} sum W (x - c0)^2 phi(u) / sqrt(H(l))  -  sup[..] sup W~
+ *
+ * kappa'' is that of W = ab over |a|; tau'' that of max(I,0) b minus that of max(-I,0) b. A chord errs by at
+ * most (u - l)^2 / 8 times the second derivative. TOL_CURVATURE covers the rounding of all this.
+ *
+ * Refinement. Let the whole be split at fraction m, D(x) the excess of a function over the whole's chord at fraction x,
+ * and d_L the left half's shift: D is at most the line from 0 to D(m) plus d_L times the half's own 4 y (1 - y), y = x/m,
+ * so that over the whole's w = 4 x (1 - x)
+ *
+ *     D / w <= [D(m) / m + 4 d_L (m - x) / m^2] / (4 (1 - x)),      0 < x <= m,
+ *
+ * a Moebius function of x, largest at an end: D(m) / (4 m) + d_L / m at 0, D(m) / w(m) at m. The right half mirrors
+ * it. The largest of the three numbers is a shift of the whole, and for a parabola the exact one. D(m) is a difference
+ * of node values that carry their allowance on one side, so it gets that of both.
+ *
+ * Exponential families have x = c' and slope = 0, so that node sums suffice; the general family sums over all
+ * c, with each (x - c0)^2 enclosed on its own: interval_family.c.
+ */
+#include "bound/moment/interval.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "bound/moment/interval_family.h"
+#include "base/tolerance.h"
+#include "base/vector.h"
+
+#define UP (1.0 + TOL_CURVATURE)
+#define DOWN (1.0 - TOL_CURVATURE)
+
+void brdffit_intervals_layout(struct intervals *t, struct arena *arena, size_t capacity, size_t channels)
+{
+    t->capacity = capacity;
+    t->interval = brdffit_arena_take(arena, capacity, sizeof *t->interval);
+    t->ready = brdffit_arena_take(arena, capacity, 1);
+    t->pool = brdffit_arena_take(arena, capacity, 2 * channels * sizeof(double));
+}
+
+void brdffit_intervals_start(struct intervals *t, struct moments *moments)
+{
+    t->moments = moments;
+    memset(t->ready, 0, t->capacity);
+}
+
+/* sum W (x - mean - d)^2 phi from moments about the mean, with an allowance for its cancellation. */
+static double shifted_square(const struct functional *f, double d, double allowance)
+{
+    double first = 2.0 * d * f->f1, second = d * d * f->f0;
+
+    return (f->f2 - first + second) + allowance * (f->f2 + fabs(first) + second);
+}
+
+/* The mean that minimises shifted_square, clipped to [-reach, 0] about the node's own mean... */
+static double clip(double d, double low, double high)
+{
+    return d < low ? low : d > high ? high : d;
+}
+
+struct enclosure {
+    double low, high;
+};
+
+/* W~'' of functional f for an exponential family. curvature: [inf, sup] of 2 m2. */
+static struct enclosure exponential_functional(const struct interval *v, size_t f, struct enclosure curvature)
+{
+    const struct functional *low = &v->low->functional[f], *high = &v->high->functional[f];
+    double reach = v->low->mean - v->high->mean; /* >= 0: the mean falls with s */
+    double best = high->f0 > 0.0 ? clip(high->f1 / high->f0, 0.0, reach) : 0.0;
+    double upper = larger(shifted_square(low, 0.0, TOL_CURVATURE), shifted_square(low, -reach, TOL_CURVATURE));
+    double lower = larger(0.0, shifted_square(high, best, -TOL_CURVATURE));
+    struct enclosure e;
+
+    e.high = UP * upper / v->high->root - DOWN * curvature.low * (high->f0 / v->low->root);
+    e.low = DOWN * lower / v->low->root - UP * curvature.high * (low->f0 / v->high->root);
+    return e;
+}
+
+static struct enclosure exponential_curvature(struct interval *v)
+{
+    const struct node *l = v->low, *u = v->high;
+    double d = l->mean - u->mean, ratio = l->h / u->h;
+    double shifted = l->m4 + 4.0 * l->m3 * d + 6.0 * l->m2 * d * d + d * d * d * d;
+    struct enclosure e;
+
+    e.low = DOWN * (2.0 * u->m2 / ratio);
+    e.high = UP * (2.0 * l->m2 * ratio);
+    v->root_m4 = UP * sqrt(larger(l->m4, shifted) * ratio);
+    return e;
+}
+
+static struct enclosure functional_curvature(struct intervals *t, const struct interval *v, size_t f,
+                                             struct enclosure curvature)
+{
+    struct enclosure e;
+
+    if (t->moments->kind->exponential) {
+        return exponential_functional(v, f, curvature);
+    }
+    brdffit_general_functional(t->moments, v, f, curvature.low, curvature.high, &e.low, &e.high);
+    return e;
+}
+
+/* Plain ranges by monotonicity, and the deviations of kappa and every tau. */
+static void fill(struct intervals *t, struct interval *v)
+{
+    const struct reduced *data = t->moments->data;
+    double a_norm = sqrt(data->aa), epsilon = larger(v->low->epsilon, v->high->epsilon);
+    double width = v->high->u - v->low->u;
+    struct enclosure curvature, e;
+    size_t k, K = data->bounded;
+    int negative = data->functionals > 1 + K;
+
+    v->eighth = UP * (width * width / 8.0);
+    if (t->moments->kind->exponential) {
+        curvature = exponential_curvature(v);
+    } else {
+        brdffit_general_curvature(t->moments, v, &curvature.low, &curvature.high);
+        v->root_m4 = INFINITY;
+    }
+    v->curvature = curvature.low;
+    v->kappa_inf = 0.0;
+    v->kappa_shift = 0.0;
+    if (data->aa > 0.0) {
+        double kappa_inf = v->high->functional[0].f0 / v->low->root / a_norm;
+
+        e = functional_curvature(t, v, 0, curvature);
+        v->kappa_inf = larger(0.0, kappa_inf - epsilon);
+        v->kappa_shift = v->eighth * smaller(e.high / a_norm, v->root_m4 - DOWN * (curvature.low * kappa_inf));
+    }
+    for (k = 0; k < K; k++) {
+        double sup = v->low->functional[1 + k].f0 / v->high->root, curved;
+
+        e = functional_curvature(t, v, 1 + k, curvature);
+        curved = -e.low;
+        if (negative) {
+            sup -= v->high->functional[1 + K + k].f0 / v->low->root;
+            e = functional_curvature(t, v, 1 + K + k, curvature);
+            curved += e.high;
+        }
+        v->tau_sup[k] = sup + epsilon * t->moments->norm[k];
+        v->tau_shift[k] = v->eighth * curved;
+    }
+}
+
+/* All lobes vanish, or the node at u is the node at l: the interval is one point. */
+static void fill_point(struct intervals *t, struct interval *v)
+{
+    size_t k;
+
+    v->eighth = 0.0;
+    v->kappa_shift = 0.0;
+    v->kappa_inf = larger(0.0, v->low->kappa);
+    v->curvature = 0.0;
+    v->root_m4 = 0.0;
+    for (k = 0; k < t->moments->data->bounded; k++) {
+        v->tau_shift[k] = 0.0;
+        v->tau_sup[k] = v->low->tau[k];
+    }
+}
+
+struct interval *brdffit_interval(struct intervals *t, uint32_t index, uint32_t low, uint32_t high, double theta_low,
+                                  double theta_high)
+{
+    struct interval *v = &t->interval[index];
+    size_t K = t->moments->data->bounded;
+
+    if (t->ready[index]) {
+        return v;
+    }
+    t->ready[index] = 1;
+    v->low = brdffit_moments_node(t->moments, low, theta_low);
+    v->high = brdffit_moments_node(t->moments, high, theta_high);
+    v->low_index = low;
+    v->high_index = high;
+    v->refined = 0;
+    v->tau_shift = t->pool + 2 * K * index;
+    v->tau_sup = v->tau_shift + K;
+    if (v->low->h > 0.0 && v->low->u < v->high->u) {
+        fill(t, v);
+    } else {
+        fill_point(t, v);
+    }
+    return v;
+}
+
+/* The shift of the whole from its halves; `middle`: D(m), with its rounding. */
+static double joined(double m, double middle, double left, double right)
+{
+    double rest = 1.0 - m, within = larger(middle / (4.0 * m) + left / m, middle / (4.0 * rest) + right / rest);
+
+    return larger(within, middle / (4.0 * m * rest));
+}
+
+void brdffit_interval_refine(struct intervals *t, struct interval *v, const struct interval *left,
+                             const struct interval *right)
+{
+    double m = (left->high->u - v->low->u) / (v->high->u - v->low->u), rest = 1.0 - m, shift;
+    double rounding = 4.0 * larger(v->low->epsilon, larger(v->high->epsilon, left->high->epsilon));
+    const struct node *low = v->low, *high = v->high, *middle = left->high;
+    size_t k;
+
+    /* m itself is rounded: its error times the rise along the chord is far below the rounding of the values. */
+    if (!(m >= 0.01 && m <= 0.99)) {
+        return;
+    }
+    shift = joined(m, rest * low->kappa + m * high->kappa - middle->kappa + rounding, left->kappa_shift,
+                   right->kappa_shift);
+    v->kappa_shift = smaller(v->kappa_shift, shift);
+    for (k = 0; k < t->moments->data->bounded; k++) {
+        double above = middle->tau[k] - (rest * low->tau[k] + m * high->tau[k]) + rounding * t->moments->norm[k];
+
+        v->tau_shift[k] = smaller(v->tau_shift[k], joined(m, above, left->tau_shift[k], right->tau_shift[k]));
+    }
+}
+
+double brdffit_pair_shift(struct intervals *t, const struct interval *first, const struct interval *second, int which)
+{
+    const struct interval *side = which ? second : first;
+    const struct pair *corner, *far;
+    double square, square_low, square_high, mu_inf;
+
+    if (!(side->eighth > 0.0)) {
+        return 0.0;
+    }
+    far = brdffit_moments_pair(t->moments, first->low_index, second->high_index);
+    mu_inf = larger(0.0, far->mu);
+    if (!t->moments->kind->exponential) {
+        return side->eighth * brdffit_general_pair(t->moments, first, second, which, mu_inf);
+    }
+    corner = brdffit_moments_pair(t->moments, first->low_index, second->low_index);
+    square_low = corner->mean - side->low->mean;
+    square_high = corner->mean - side->high->mean;
+    square = corner->value * (corner->variance + larger(square_low * square_low, square_high * square_high));
+    square = UP * smaller(square / (first->high->root * second->high->root), side->root_m4);
+    return side->eighth * (square - DOWN * (side->curvature * mu_inf));
+}

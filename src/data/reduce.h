@@ -1,0 +1,72 @@
+/*
+ * Samples to what a fit needs: sums over samples of equal c for the bounds (theory 4.1), and the rows of an
+ * equivalent smaller least-squares problem for the vector form (theory 4.3).
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_REDUCE_H
+#define BRDFFIT_REDUCE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/arena.h"
+#include "brdffit.h"
+#include "base/lanes.h"
+
+/*
+ * Norm l1 minimises sum w |r| and linf the largest |r| where w > 0, so their samples are multiplied by w and by 1
+ * instead of sqrt(w): read "w" below as the square of that factor. weight_sum and row_square know the true w.
+ *
+ * Internal units: a / scale_a, b / scale_b, w / scale_w and values / channel_scale, the first three scales
+ * powers of two, so that nothing is rounded by them. Sums over the samples of one distinct c:
+ */
+struct reduced {
+    size_t channels;   /* K */
+    size_t distinct;   /* M distinct c */
+    size_t stride;     /* PADDED(M): distance of two rows of the arrays below */
+    double c_min;
+    double snapped;    /* largest relative change of c - c_min by merging */
+    double *c;         /* c - c_min, ascending */
+    double *bb;        /* sum w b^2 */
+    double *concentration; /* sum w^2 b^4 / bb^2, for the effective number of samples */
+    double *linear;    /* functionals x stride: see below */
+    size_t functionals; /* 1 + B, or 1 + 2 B when some value is negative */
+    size_t bounded;     /* B <= K: channels that bounds look at, without zero ones and with identical ones merged */
+    size_t *bound_channel; /* B: each one's channel (the first of identical ones) */
+    double *bound_root; /* B: root of how many it stands for, a factor of its sums in `linear` */
+    size_t channels_zero, channels_identical;
+    double aa;         /* sum w a^2 over all samples */
+    double *ai;        /* K: sum w a I */
+    double *ii;        /* K: sum w I^2 */
+    double total;      /* objective of the zero model: sum of ii; l1: sum of |I|; linf: largest |I| */
+    double weight_sum; /* sum w */
+
+    size_t rows;       /* R <= N rows of the vector form; norms other than l2: every used sample is a row */
+    double *row_a, *row_b;
+    double *row_value; /* K x used, the first R of each */
+    uint32_t *row_c;   /* R: index of its distinct c */
+    double *row_square; /* R: what a row's squared residual counts for in sum w r^2; 1 unless the norm is not l2 */
+
+    double scale_a, scale_b, scale_w;
+    double *channel_scale; /* K: what values are divided by inside */
+    size_t used;       /* samples reduced; distance of two channels of row_value */
+    size_t counted;    /* samples that the result says were used: the same, unless they came as sums */
+    size_t skipped[BRDFFIT_SKIP_COUNT];
+
+    /* scratch while reducing */
+    double *sample_a, *sample_b, *sample_c, *sample_factor; /* used: factor = root of w times f_r to radiance */
+    uint32_t *sample, *order, *merge;
+    double *block;
+};
+
+/* linear + f * stride, f = 0: sum w a b; f = 1 + k: sum w max(I_k, 0) b; f = 1 + B + k: sum w max(-I_k, 0) b; k < B */
+
+void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels);
+
+brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples, const brdffit_options *options,
+                              brdffit_error *error);
+
+/* Leave to the bounds only the channels that they need. `linear` is changed in place: once after each reduction. */
+void brdffit_reduce_channels(struct reduced *reduced);
+
+#endif

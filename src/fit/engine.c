@@ -1,0 +1,126 @@
+/*
+ * The engines of a fit behind the driver's interface (engine.h). SPDX-License-Identifier: MIT
+ */
+#include "fit/fit.h"
+#include "base/exp.h"
+#include "bound/moment/descend.h"
+
+void brdffit_fit_evaluate(struct fit *f, const struct point *at, int prove, struct varpro_value *value)
+{
+    if (f->norm != BRDFFIT_NORM_L2) {
+        brdffit_l1_linf_evaluate(&f->restricted, at, prove, value);
+    } else {
+        brdffit_varpro_evaluate(&f->varpro, at, 0, value);
+    }
+}
+
+static double try_point(void *self, struct point *point)
+{
+    struct fit *f = self;
+
+    return brdffit_varpro_descend(&f->varpro, point);
+}
+
+/* Cheap steps in moment space first, where the residual is far above its rounding. */
+static double try_moments(void *self, struct point *point)
+{
+    struct fit *f = self;
+
+    brdffit_moment_descend(&f->moment.moments, f->varpro.lobes, f->theta_low, f->theta_high, point);
+    return brdffit_varpro_descend(&f->varpro, point);
+}
+
+static double try_point_lp(void *self, struct point *point)
+{
+    struct fit *f = self;
+
+    return brdffit_l1_linf_descend(&f->restricted, point);
+}
+
+static double width(void *self, uint32_t interval)
+{
+    const struct fit *f = self;
+    const struct axis_interval *i = &f->axis.interval[interval];
+
+    return kernel_exp(-0.5 * f->axis.coordinate[i->low]) - kernel_exp(-0.5 * f->axis.coordinate[i->high]);
+}
+
+static double bound_one(void *self, struct box *box, struct point *met)
+{
+    return brdffit_bound_moment_one(&((struct fit *)self)->moment, box, met);
+}
+
+static double bound_two(void *self, struct box *box, struct point *met)
+{
+    return brdffit_bound_moment_two(&((struct fit *)self)->moment, box, met);
+}
+
+static double start_one(void *self, struct point *met)
+{
+    return brdffit_bound_moment_start_one(&((struct fit *)self)->moment, met);
+}
+
+static double start_two(void *self, struct point *met)
+{
+    return brdffit_bound_moment_start_two(&((struct fit *)self)->moment, met);
+}
+
+static double bound_socp(void *self, struct box *box, struct point *met)
+{
+    return brdffit_bound_socp(&((struct fit *)self)->socp, box, met);
+}
+
+static double bound_lp(void *self, struct box *box, struct point *met)
+{
+    return brdffit_bound_lp(&((struct fit *)self)->linear, box, met);
+}
+
+static brdffit_status start_lp(struct fit *f, const brdffit_options *o, struct engine *engine)
+{
+    brdffit_status status = brdffit_l1_linf_start(&f->restricted, &f->varpro);
+
+    engine->bound = bound_lp;
+    engine->try_point = try_point_lp;
+    engine->noise = 0.0;
+    if (status == BRDFFIT_OK) {
+        status = brdffit_bound_lp_start(&f->linear, &f->restricted, &f->axis, !o->socp_every_box);
+        if (status != BRDFFIT_OK) {
+            brdffit_l1_linf_finish(&f->restricted);
+        }
+    }
+    return status;
+}
+
+brdffit_status brdffit_fit_engine_start(struct fit *f, const brdffit_options *o, struct engine *engine)
+{
+    engine->self = f;
+    engine->lobes = o->lobes;
+    engine->try_point = try_point;
+    engine->width = width;
+    engine->start = NULL;
+    if (o->norm != BRDFFIT_NORM_L2) {
+        return start_lp(f, o, engine);
+    }
+    if (o->engine == BRDFFIT_ENGINE_SOCP) {
+        engine->bound = bound_socp;
+        engine->noise = 0.0;
+        return brdffit_bound_socp_start(&f->socp, &f->varpro, &f->axis, !o->socp_every_box);
+    }
+    brdffit_reduce_channels(&f->data);
+    brdffit_bound_moment_start(&f->moment, &f->data, f->kind, f->varpro.kernels, &f->axis, o->lobes);
+    engine->bound = o->lobes > 1 ? bound_two : bound_one;
+    engine->start = o->lobes > 1 ? start_two : start_one;
+    engine->try_point = f->kind->exponential ? try_moments : try_point;
+    engine->noise = 2.0 * f->moment.moments.slack;
+    return BRDFFIT_OK;
+}
+
+void brdffit_fit_engine_finish(struct fit *f, const brdffit_options *o)
+{
+    if (o->norm != BRDFFIT_NORM_L2) {
+        brdffit_bound_lp_finish(&f->linear);
+        brdffit_l1_linf_finish(&f->restricted);
+    } else if (o->engine == BRDFFIT_ENGINE_SOCP) {
+        brdffit_bound_socp_finish(&f->socp);
+    }
+}

@@ -1,0 +1,159 @@
+/*
+ * The public fit: validate, reduce, search, report. SPDX-License-Identifier: MIT
+ */
+#include "fit/fit.h"
+
+#include <math.h>
+
+#include "base/error.h"
+#include "model/geometry.h"
+#include "base/tolerance.h"
+
+/* First partition: as fine as the budget allows, so that even a budget of one box gives a bound of the whole. */
+static uint32_t first_intervals(const brdffit_options *o)
+{
+    uint32_t first = FIRST_INTERVALS;
+
+    while (first > 1 && (o->lobes > 1 ? (size_t)first * (first + 1) / 2 : first) > o->box_budget) {
+        first /= 2;
+    }
+    return first;
+}
+
+/* Objective units to the caller's: weights and, without normalisation, one power of two for all channels. */
+double brdffit_fit_scale(const struct reduced *data, const brdffit_options *o)
+{
+    double value = o->normalise == BRDFFIT_NORMALISE_NONE ? data->channel_scale[0] : 1.0;
+
+    if (o->norm == BRDFFIT_NORM_LINF) {
+        return value; /* weights do not multiply the largest residual */
+    }
+    return o->norm == BRDFFIT_NORM_L1 ? data->scale_w * value : data->scale_w * value * value;
+}
+
+static int report_reduced(const struct fit *f, const brdffit_options *o)
+{
+    brdffit_progress p;
+
+    if (!o->progress) {
+        return 0;
+    }
+    p.phase = BRDFFIT_PHASE_REDUCED;
+    p.boxes = 0;
+    p.e2 = f->data.total * brdffit_fit_scale(&f->data, o);
+    p.lower_bound = 0.0;
+    return o->progress(o->progress_user, &p) != 0;
+}
+
+/* Everything up to the first box: domain, partition, engine, rules. The engine is to be finished after success. */
+brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct engine *engine,
+                                 struct search_rules *rules, brdffit_error *error)
+{
+    brdffit_status status;
+
+    rules->cancelled = report_reduced(f, o);
+    brdffit_fit_prepare(f, o);
+    brdffit_axis_start(&f->axis, f->theta_low, f->theta_high, first_intervals(o));
+    status = brdffit_fit_engine_start(f, o, engine);
+    if (status != BRDFFIT_OK) {
+        return brdffit_fail(error, status,
+                            status == BRDFFIT_ERR_UNSUPPORTED
+                                ? "norms l1 and linf and engine socp need ECOS, which this build is without"
+                                : "ECOS could not set up its solver");
+    }
+    rules->relative_gap = o->relative_gap;
+    rules->absolute_gap = o->absolute_gap * f->data.total;
+    rules->sigma_resolution = o->sigma_resolution;
+    rules->box_budget = o->box_budget;
+    rules->progress = o->progress;
+    rules->progress_user = o->progress_user;
+    rules->progress_scale = brdffit_fit_scale(&f->data, o);
+    brdffit_fit_observe(f, o, rules);
+    return BRDFFIT_OK;
+}
+
+static brdffit_status check_call(const brdffit_samples *samples, const brdffit_options *options, const void *workspace,
+                                 size_t size, const void *result, brdffit_error *error)
+{
+    brdffit_status status = brdffit_options_check(options, error);
+    size_t needed;
+
+    if (status == BRDFFIT_OK) {
+        status = brdffit_geometry_check(samples, 1, error);
+    }
+    if (status != BRDFFIT_OK) {
+        return status;
+    }
+    if (!workspace || !result) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "workspace or result is NULL");
+    }
+    needed = brdffit_fit_workspace(samples->count, samples->channels, options);
+    if (needed == 0) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "more samples or channels than can be addressed");
+    }
+    if (size < needed) {
+        return brdffit_fail(error, BRDFFIT_ERR_WORKSPACE, "the workspace is smaller than brdffit_workspace_size()");
+    }
+    return BRDFFIT_OK;
+}
+
+brdffit_status brdffit_fit_check_total(const struct fit *f, const brdffit_options *options, brdffit_error *error)
+{
+    double total = f->data.total * brdffit_fit_scale(&f->data, options);
+
+    if (f->data.total > 0.0 && !isnormal(total)) {
+        return brdffit_fail_at(error, "the weighted sum of squares is beyond a double: scale values or weights",
+                               BRDFFIT_NONE, BRDFFIT_NONE, total);
+    }
+    return BRDFFIT_OK;
+}
+
+brdffit_status brdffit_fit_open(struct fit *f, const brdffit_samples *samples, const brdffit_options *options,
+                                void *workspace, size_t size, const void *result, brdffit_error *error)
+{
+    brdffit_status status = check_call(samples, options, workspace, size, result, error);
+    struct arena arena;
+
+    if (status != BRDFFIT_OK) {
+        return status;
+    }
+    brdffit_arena_init(&arena, workspace, size);
+    brdffit_fit_layout(f, &arena, samples->count, samples->channels, options);
+    status = brdffit_reduce(&f->data, samples, options, error);
+    if (status != BRDFFIT_OK) {
+        return status;
+    }
+    return brdffit_fit_check_total(f, options, error);
+}
+
+brdffit_status brdffit_fit_finish(struct fit *f, const brdffit_options *options, brdffit_result *result,
+                                  brdffit_error *error)
+{
+    struct search_result found;
+    struct search_rules rules;
+    struct engine engine;
+    brdffit_status status = brdffit_fit_start(f, options, &engine, &rules, error);
+
+    if (status != BRDFFIT_OK) {
+        return status;
+    }
+    brdffit_search(&f->axis, &f->heap, &engine, &rules, &found);
+    brdffit_report(f, options, brdffit_fit_scale(&f->data, options), &found, result);
+    brdffit_fit_engine_finish(f, options);
+    return BRDFFIT_OK;
+}
+
+brdffit_status brdffit_fit_run(const brdffit_samples *samples, const brdffit_options *options, void *workspace,
+                               size_t workspace_size, brdffit_result *result, brdffit_error *error)
+{
+    brdffit_options defaults;
+    brdffit_status status;
+    struct fit fit;
+
+    if (!options) {
+        brdffit_options_init(&defaults);
+        options = &defaults;
+    }
+    status = brdffit_fit_open(&fit, samples, options, workspace, workspace_size, result, error);
+    return status == BRDFFIT_OK ? brdffit_fit_finish(&fit, options, result, error) : status;
+}

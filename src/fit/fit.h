@@ -1,0 +1,110 @@
+/*
+ * Everything that one fit keeps in the caller's workspace, and the steps that share it.
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_FIT_H
+#define BRDFFIT_FIT_H
+
+#include "base/arena.h"
+#include "search/axis.h"
+#include "bound/lp/bound_lp.h"
+#include "bound/moment/bound.h"
+#include "bound/socp/bound_socp.h"
+#include "brdffit.h"
+#include "base/environment.h"
+#include "search/heap.h"
+#include "data/reduce.h"
+#include "search/search.h"
+#include "solve/varpro.h"
+
+/* What shows boxes to the caller: observe.c. */
+struct observer {
+    const struct fit *fit;
+    const brdffit_options *options;
+    double scale; /* objective to the caller's units */
+};
+
+struct fit {
+    struct reduced data;
+    struct axis axis;
+    struct heap heap;
+    struct bound_moment moment; /* only the engine in use is laid out */
+    struct bound_socp socp;
+    struct bound_lp linear;
+    struct l1_linf restricted; /* norms l1 and linf only */
+    struct varpro varpro;
+    const struct lobe_kind *kind;
+    brdffit_norm norm;
+    double theta_low, theta_high; /* domain of the search; the tail counts as its end */
+    double theta_flat; /* beyond theta_high nothing changes up to here: the end of the range, or of finite y */
+    double theta_tail; /* end of the options' range */
+    double *x, *y, *rms; /* K, K x P, K: the result's arrays */
+    struct observer observer;
+};
+
+/* Defaults for NULL, and every field in its range. */
+brdffit_status brdffit_options_check(const brdffit_options *options, brdffit_error *error);
+
+/* Lay a fit out in an arena (counting or real). */
+void brdffit_fit_layout(struct fit *fit, struct arena *arena, size_t count, size_t channels,
+                        const brdffit_options *options);
+
+/* Check the call, lay out and reduce. `result` is only looked at for NULL. */
+brdffit_status brdffit_fit_open(struct fit *fit, const brdffit_samples *samples, const brdffit_options *options,
+                                void *workspace, size_t size, const void *result, brdffit_error *error);
+
+/* After a reduction: whether its sum of squares is a normal double in the caller's units. */
+brdffit_status brdffit_fit_check_total(const struct fit *fit, const brdffit_options *options, brdffit_error *error);
+
+/* Domain, first partition, engine and rules of a fit that is open. After success the engine is to be finished. */
+brdffit_status brdffit_fit_start(struct fit *fit, const brdffit_options *options, struct engine *engine,
+                                 struct search_rules *rules, brdffit_error *error);
+
+/* All that follows the reduction, of a fit that is open. */
+brdffit_status brdffit_fit_finish(struct fit *fit, const brdffit_options *options, brdffit_result *result,
+                                  brdffit_error *error);
+
+/* What turns an internal objective into the caller's units. */
+double brdffit_fit_scale(const struct reduced *data, const brdffit_options *options);
+
+/*
+ * After the reduction: the lobe kind, and the domain of theta = ln s, which is the options' range cut where the
+ * lobe no longer changes (theory 4.1).
+ */
+void brdffit_fit_prepare(struct fit *fit, const brdffit_options *options);
+
+/* Make the engine that the options name, after brdffit_fit_prepare(); finish releases what engine socp allocated. */
+brdffit_status brdffit_fit_engine_start(struct fit *fit, const brdffit_options *options, struct engine *engine);
+void brdffit_fit_engine_finish(struct fit *fit, const brdffit_options *options);
+
+/* Have the rules show each box to the options' callback. *options and *fit must live as long as the search. */
+void brdffit_fit_observe(struct fit *fit, const brdffit_options *options, struct search_rules *rules);
+
+/* The roughness of theta, s^(-1/2) whatever the distribution's parameter is, never outside of the options' range. */
+double brdffit_fit_sigma(const struct fit *fit, double theta, const brdffit_options *options);
+
+/* Exact objective at a point in the fit's norm, while its engine is there. With `prove`, value->kkt is meant too. */
+void brdffit_fit_evaluate(struct fit *fit, const struct point *at, int prove, struct varpro_value *value);
+
+/* Fill *result from the outcome of a search; objective_scale turns its objective into the caller's units. */
+void brdffit_report(struct fit *fit, const brdffit_options *options, double objective_scale,
+                    const struct search_result *found, brdffit_result *result);
+
+/* The public functions without the change of the floating-point environment (entry.c calls them). */
+ENVIRONMENT_APART size_t brdffit_fit_workspace(size_t count, size_t channels, const brdffit_options *options);
+ENVIRONMENT_APART brdffit_status brdffit_fit_run(const brdffit_samples *samples, const brdffit_options *options,
+                                                 void *workspace, size_t workspace_size, brdffit_result *result,
+                                                 brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_options *options,
+                                                      void *workspace, size_t workspace_size, brdffit_result *result,
+                                                      brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_verify_run(const brdffit_samples *samples, const brdffit_options *options,
+                                                    double level, void *workspace, size_t workspace_size,
+                                                    brdffit_reproof *reproof, brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit_options *options,
+                                                     size_t *used, size_t skipped[BRDFFIT_SKIP_COUNT],
+                                                     brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_samples *at, double *out,
+                                                  brdffit_error *error);
+
+#endif

@@ -1,0 +1,169 @@
+/*
+ * Options: defaults, ranges, and the workspace that they need. SPDX-License-Identifier: MIT
+ */
+#include <math.h>
+
+#include "fit/fit.h"
+#include "base/error.h"
+#include "model/geometry.h"
+#include "base/isa.h"
+#include "base/tolerance.h"
+
+void brdffit_options_init(brdffit_options *o)
+{
+    static const brdffit_options zero;
+
+    *o = zero;
+    o->struct_size = sizeof *o;
+    o->lobes = 1;
+    o->distribution = BRDFFIT_BECKMANN;
+    o->norm = BRDFFIT_NORM_L2;
+    o->engine = BRDFFIT_ENGINE_MOMENT;
+    o->normalise = BRDFFIT_NORMALISE_MAX;
+    o->sigma_min = 1e-12;
+    o->sigma_max = 6.0;
+    o->exponent_min = 0.1;
+    o->exponent_max = 1e7;
+    o->relative_gap = 1e-3;
+    o->absolute_gap = 1e-12;
+    o->sigma_resolution = 0.0;
+    o->box_budget = 1000000;
+    o->max_incidence = 60.0;
+}
+
+static brdffit_status bad(brdffit_error *error, const char *message, double value)
+{
+    (void)brdffit_fail(error, BRDFFIT_ERR_OPTION, message);
+    if (error) {
+        error->value = value;
+    }
+    return BRDFFIT_ERR_OPTION;
+}
+
+static brdffit_status check_choices(const brdffit_options *o, brdffit_error *error)
+{
+    if (!(o->lobes >= 1 && o->lobes <= BRDFFIT_MAX_LOBES)) {
+        return bad(error, "lobes must be 1 or 2", o->lobes);
+    }
+    if (!((unsigned)o->distribution < BRDFFIT_DISTRIBUTION_COUNT)) {
+        return bad(error, "unknown distribution", (double)o->distribution);
+    }
+    if (!((unsigned)o->engine < BRDFFIT_ENGINE_COUNT)) {
+        return bad(error, "unknown engine", (double)o->engine);
+    }
+    if (!((unsigned)o->norm < BRDFFIT_NORM_COUNT)) {
+        return bad(error, "unknown norm", (double)o->norm);
+    }
+    if (o->normalise != BRDFFIT_NORMALISE_MAX && o->normalise != BRDFFIT_NORMALISE_NONE) {
+        return bad(error, "unknown channel normalisation", (double)o->normalise);
+    }
+    if (!((unsigned)o->isa < BRDFFIT_ISA_COUNT)) {
+        return bad(error, "unknown instruction set", (double)o->isa);
+    }
+    if (!brdffit_isa_supported(o->isa)) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "this build or processor has no such instruction set");
+    }
+    return BRDFFIT_OK;
+}
+
+brdffit_status brdffit_options_check(const brdffit_options *o, brdffit_error *error)
+{
+    brdffit_status status;
+
+    if (!o || o->struct_size != sizeof *o) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "options: NULL or of another version's size");
+    }
+    status = check_choices(o, error);
+    if (status != BRDFFIT_OK) {
+        return status;
+    }
+    if (!(o->sigma_min >= LIMIT_SIGMA_MIN && o->sigma_min <= LIMIT_SIGMA_MAX)) {
+        return bad(error, "sigma_min must be in [1e-12, 1e3]", o->sigma_min);
+    }
+    if (!(o->sigma_max >= o->sigma_min && o->sigma_max <= LIMIT_SIGMA_MAX)) {
+        return bad(error, "sigma_max must be in [sigma_min, 1e3]", o->sigma_max);
+    }
+    if (!(o->exponent_min >= LIMIT_EXPONENT_MIN && o->exponent_min <= LIMIT_EXPONENT_MAX)) {
+        return bad(error, "exponent_min must be in [1e-6, 1e24]", o->exponent_min);
+    }
+    if (!(o->exponent_max >= o->exponent_min && o->exponent_max <= LIMIT_EXPONENT_MAX)) {
+        return bad(error, "exponent_max must be in [exponent_min, 1e24]", o->exponent_max);
+    }
+    if (!(o->relative_gap > 0.0 && isfinite(o->relative_gap))) {
+        return bad(error, "relative_gap must be positive and finite", o->relative_gap);
+    }
+    if (!(o->absolute_gap >= 0.0 && isfinite(o->absolute_gap))) {
+        return bad(error, "absolute_gap must be finite and not negative", o->absolute_gap);
+    }
+    if (!(o->sigma_resolution >= 0.0 && isfinite(o->sigma_resolution))) {
+        return bad(error, "sigma_resolution must be finite and not negative", o->sigma_resolution);
+    }
+    if (!(o->box_budget >= 1)) {
+        return bad(error, "box_budget must be at least 1", (double)o->box_budget);
+    }
+    if (!(o->max_incidence > 0.0)) {
+        return bad(error, "max_incidence must be positive degrees", o->max_incidence);
+    }
+    return BRDFFIT_OK;
+}
+
+/* Every split makes one node, so a budget of boxes bounds them too. Engine socp keeps nothing else about nodes. */
+static uint32_t node_capacity(const brdffit_options *o)
+{
+    size_t cap = o->engine == BRDFFIT_ENGINE_SOCP || o->norm != BRDFFIT_NORM_L2 ? LIMIT_NODES_SOCP
+                 : o->lobes > 1                                                 ? LIMIT_NODES_TWO
+                                                                                : LIMIT_NODES_ONE;
+    size_t wanted = o->box_budget < cap ? o->box_budget + FIRST_INTERVALS + 2 : cap;
+
+    return (uint32_t)(wanted < cap ? wanted : cap);
+}
+
+/* Boxes open at once: a split closes one and opens at most three. */
+static size_t heap_capacity(const brdffit_options *o)
+{
+    size_t wanted = o->box_budget < LIMIT_HEAP ? o->box_budget + 4 : LIMIT_HEAP;
+
+    return wanted < LIMIT_HEAP ? wanted : LIMIT_HEAP;
+}
+
+void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t channels, const brdffit_options *o)
+{
+    uint32_t nodes = node_capacity(o);
+
+    brdffit_reduce_layout(&f->data, arena, count, channels);
+    if (arena->failed) {
+        return;
+    }
+    f->x = ARENA_DOUBLES(arena, channels);
+    f->y = brdffit_arena_take(arena, channels, (size_t)o->lobes * sizeof(double));
+    f->rms = ARENA_DOUBLES(arena, channels);
+    brdffit_varpro_layout(&f->varpro, arena, count, channels, o->lobes);
+    brdffit_axis_layout(&f->axis, arena, nodes);
+    brdffit_heap_layout(&f->heap, arena, heap_capacity(o));
+    if (o->norm != BRDFFIT_NORM_L2) {
+        brdffit_l1_linf_layout(&f->restricted, arena, count, channels, o->lobes, o->norm);
+        brdffit_bound_lp_layout(&f->linear, arena, count, channels, o->lobes, o->norm);
+    } else if (o->engine == BRDFFIT_ENGINE_SOCP) {
+        brdffit_bound_socp_layout(&f->socp, arena, count, channels, o->lobes);
+    } else {
+        brdffit_bound_moment_layout(&f->moment, arena, count, channels, nodes, o->lobes);
+    }
+}
+
+size_t brdffit_fit_workspace(size_t count, size_t channels, const brdffit_options *options)
+{
+    brdffit_options defaults;
+    struct arena arena;
+    struct fit fit;
+
+    if (!options) {
+        brdffit_options_init(&defaults);
+        options = &defaults;
+    }
+    if (channels == 0 || brdffit_options_check(options, NULL) != BRDFFIT_OK) {
+        return 0;
+    }
+    brdffit_arena_init(&arena, NULL, 0);
+    brdffit_fit_layout(&fit, &arena, count, channels, options);
+    return arena.failed ? 0 : arena.used;
+}

@@ -1,0 +1,358 @@
+/*
+ * From the outcome of a search to the caller's result: coefficients in the data's units, what each lobe rests on,
+ * and whether the data can tell its roughness (theory 4.5). SPDX-License-Identifier: MIT
+ */
+#include <math.h>
+
+#include "fit/fit.h"
+#include "base/exp.h"
+#include "base/tolerance.h"
+
+static double clamp(double value, double low, double high)
+{
+    return value < low ? low : value > high ? high : value;
+}
+
+/* The exponent n = s of theta: the options' own number at an end of the range, and never outside of it. */
+static double exponent_of(const struct fit *f, double theta, const brdffit_options *o)
+{
+    return theta <= f->theta_low    ? o->exponent_min
+           : theta >= f->theta_tail ? o->exponent_max
+                                    : clamp(kernel_exp(theta), o->exponent_min, o->exponent_max);
+}
+
+double brdffit_fit_sigma(const struct fit *f, double theta, const brdffit_options *o)
+{
+    if (f->kind->by_exponent) {
+        return 1.0 / sqrt(exponent_of(f, theta, o));
+    }
+    return theta <= f->theta_low    ? o->sigma_max
+           : theta >= f->theta_tail ? o->sigma_min
+                                    : clamp(kernel_exp(-0.5 * theta), o->sigma_min, o->sigma_max);
+}
+
+static double objective_at(struct fit *f, struct point at, int p, double theta)
+{
+    struct varpro_value value;
+
+    at.theta[p] = theta;
+    brdffit_fit_evaluate(f, &at, 0, &value);
+    return value.objective;
+}
+
+/* An objective and how far another may be from it and still be the same to rounding. */
+struct level {
+    double objective, tolerance;
+};
+
+static int same_level(struct fit *f, const struct point *at, int p, double theta, const struct level *level)
+{
+    return fabs(objective_at(f, *at, p, theta) - level->objective) <= level->tolerance;
+}
+
+/* Whether the objective one FLAT_STEP towards `end` (or at the end, if nearer) stays level. */
+static int flat_towards(struct fit *f, const struct point *at, int p, double end, const struct level *level)
+{
+    double here = at->theta[p];
+    double there = end > here ? fmin(end, here + FLAT_STEP) : fmax(end, here - FLAT_STEP);
+
+    return there == here || same_level(f, at, p, there, level);
+}
+
+/* Furthest theta towards `end` where the objective stays level: growing steps, then bisection. */
+static double flat_end(struct fit *f, const struct point *at, int p, double end, const struct level *level)
+{
+    double inside = at->theta[p], outside = inside, step = end > inside ? FLAT_STEP : -FLAT_STEP;
+    int i;
+
+    while (inside == outside && inside != end) {
+        outside = end > inside ? fmin(end, inside + step) : fmax(end, inside + step);
+        step = fabs(step) < FLAT_STRIDE ? 2.0 * step : step;
+        if (same_level(f, at, p, outside, level)) {
+            inside = outside;
+        }
+    }
+    for (i = 0; i < 40 && fabs(outside - inside) > FLAT_END; i++) {
+        double middle = 0.5 * (inside + outside);
+
+        if (same_level(f, at, p, middle, level)) {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    return inside;
+}
+
+/* The roughness at theta, and the interval from there up to theta `high`, in the parameter's terms too. */
+static void publish_roughness(const struct fit *f, double theta, double high, const brdffit_options *o,
+                              brdffit_lobe *lobe)
+{
+    lobe->sigma = lobe->sigma_high = brdffit_fit_sigma(f, theta, o);
+    lobe->sigma_low = brdffit_fit_sigma(f, high, o);
+    if (f->kind->by_exponent) {
+        lobe->exponent = lobe->exponent_low = exponent_of(f, theta, o);
+        lobe->exponent_high = exponent_of(f, high, o);
+    }
+}
+
+static struct level level_of(const struct fit *f, double objective)
+{
+    double absolute = f->norm == BRDFFIT_NORM_L2 ? TOL_FLAT_ABSOLUTE : TOL_FLAT_LINEAR;
+    struct level level = {objective, objective * TOL_FLAT_RELATIVE + absolute * f->data.total};
+
+    return level;
+}
+
+/*
+ * Where the objective is flat to rounding on both sides of the optimum, or up to the end of the domain, sigma is
+ * not identified: move to the largest, one lobe after the other. Returns the lobes that are flat, as bits; those of
+ * `curved` are known not to be.
+ */
+static unsigned move_to_largest(struct fit *f, struct point *at, const struct level *level, unsigned curved)
+{
+    unsigned flat = 0;
+    int p;
+
+    for (p = 0; p < f->varpro.lobes; p++) {
+        if (!(curved >> p & 1) && flat_towards(f, at, p, f->theta_low, level) &&
+            flat_towards(f, at, p, f->theta_high, level)) {
+            at->theta[p] = flat_end(f, at, p, f->theta_low, level);
+            flat |= 1u << p;
+        }
+    }
+    return flat;
+}
+
+/* Roughness and its interval, with the other lobe where it ended up. */
+static void describe_lobe(struct fit *f, const struct point *at, int p, int flat, const struct level *level,
+                          const brdffit_options *o, brdffit_lobe *lobe)
+{
+    double high = at->theta[p];
+
+    lobe->warnings = 0;
+    if (flat) {
+        high = flat_end(f, at, p, f->theta_high, level);
+        high = high < f->theta_high ? high : f->theta_flat;
+    }
+    if (high > at->theta[p]) {
+        lobe->warnings |= BRDFFIT_WARN_FLAT;
+    } else if (at->theta[p] <= f->theta_low || at->theta[p] >= f->theta_tail) {
+        lobe->warnings |= BRDFFIT_WARN_AT_LIMIT;
+    }
+    publish_roughness(f, at->theta[p], high, o, lobe);
+}
+
+/* N_eff = (sum g^2)^2 / sum g^4 over samples. */
+static double effective_samples(struct fit *f, double theta)
+{
+    const struct reduced *data = &f->data;
+    double u[3], h = 0.0, sum = 0.0;
+    size_t j;
+
+    f->kind->variable(data->c_min, theta, u);
+    f->kind->shape(f->varpro.kernels, data->c, data->stride, u[0], f->varpro.phi);
+    for (j = 0; j < data->distinct; j++) {
+        h += data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]);
+    }
+    for (j = 0; j < data->distinct && h > 0.0; j++) {
+        double share = data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]) / h;
+
+        sum += share * share * data->concentration[j];
+    }
+    return sum > 0.0 ? 1.0 / sum : 0.0;
+}
+
+/* Coefficient of a column of the vector form, in the data's units. */
+static double in_data_units(const struct fit *f, const struct nnls_answer *answer, size_t k, int j)
+{
+    const struct nnls *nnls = &f->varpro.nnls;
+    double z = answer->unit[j];
+
+    if (!(z > 0.0)) {
+        return 0.0;
+    }
+    return z / nnls->norm[j] * (answer->data_scale / nnls->scale[j]) * f->data.channel_scale[k];
+}
+
+static void coefficients(struct fit *f, const struct point *at)
+{
+    const struct reduced *data = &f->data;
+    int lobes = f->varpro.lobes, p;
+    size_t k;
+
+    for (k = 0; k < data->channels; k++) {
+        const struct nnls_answer *answer = &f->varpro.answer[k];
+
+        f->x[k] = in_data_units(f, answer, k, 0) / data->scale_a;
+        for (p = 0; p < lobes; p++) {
+            double factor = f->kind->factor(data->c_min, kernel_exp(at->theta[p]));
+            double y = in_data_units(f, answer, k, 1 + p) / data->scale_b;
+
+            f->y[k * (size_t)lobes + (size_t)p] = y > 0.0 && factor > 0.0 ? y / factor : 0.0;
+        }
+        f->rms[k] = answer->data_scale * sqrt(answer->rss / data->weight_sum) * data->channel_scale[k];
+    }
+}
+
+static void lobe_shares(const struct fit *f, brdffit_result *result)
+{
+    double sum[BRDFFIT_MAX_LOBES] = {0.0, 0.0}, all = 0.0, largest = 0.0;
+    size_t k, lobes = (size_t)f->varpro.lobes, p;
+
+    for (k = 0; k < f->data.channels * lobes; k++) {
+        largest = fmax(largest, f->y[k]);
+    }
+    for (k = 0; k < f->data.channels && largest > 0.0; k++) {
+        for (p = 0; p < lobes; p++) {
+            sum[p] += f->y[k * lobes + p] / largest;
+        }
+    }
+    for (p = 0; p < lobes; p++) {
+        all += sum[p];
+    }
+    for (p = 0; p < lobes; p++) {
+        result->lobe[p].weight = all > 0.0 ? sum[p] / all : 0.0;
+        if (!(sum[p] > 0.0)) {
+            result->lobe[p].warnings |= BRDFFIT_WARN_UNUSED;
+        }
+        if (result->lobe[p].effective_samples < LIMIT_EFFECTIVE_SAMPLES) {
+            result->lobe[p].warnings |= BRDFFIT_WARN_UNRESOLVED;
+        }
+    }
+}
+
+static void certificate(const struct fit *f, const struct search_result *found, double objective, double scale,
+                        const brdffit_options *o, brdffit_result *result)
+{
+    result->e2 = objective * scale;
+    result->lower_bound = fmin(found->lower_bound * scale, result->e2);
+    result->gap = result->e2 - result->lower_bound;
+    result->sum_of_squares = f->data.total * scale;
+    result->stop = found->stop;
+    result->certified = found->stop == BRDFFIT_STOP_RELATIVE_GAP || found->stop == BRDFFIT_STOP_ABSOLUTE_GAP;
+    result->boxes = found->boxes;
+    if (o->norm != BRDFFIT_NORM_L2) {
+        result->nodes = f->restricted.evaluated;
+        result->socp_solved = f->restricted.lp.solved + f->linear.lp.solved;
+        result->socp_refused = f->restricted.lp.refused + f->linear.lp.refused;
+        result->socp_decided = f->linear.decided;
+    } else if (o->engine == BRDFFIT_ENGINE_SOCP) {
+        result->nodes = f->socp.evaluated;
+        result->socp_solved = f->socp.solved;
+        result->socp_refused = f->socp.refused;
+        result->socp_decided = f->socp.decided;
+    } else {
+        result->nodes = f->moment.moments.evaluated;
+    }
+}
+
+/* Weighted sum of squared residuals of the last evaluation, whatever the norm. */
+static double sum_of_squares(const struct fit *f)
+{
+    double sum = 0.0;
+    size_t k;
+
+    for (k = 0; k < f->data.channels; k++) {
+        const struct nnls_answer *answer = &f->varpro.answer[k];
+
+        sum += answer->rss * (answer->data_scale * answer->data_scale);
+    }
+    return sum;
+}
+
+/* Lobes in ascending sigma, that is, descending theta; returns whether they were not. */
+static int order_lobes(struct point *at, brdffit_lobe *lobe, int lobes)
+{
+    double theta = at->theta[0];
+    brdffit_lobe first = lobe[0];
+
+    if (lobes < 2 || !(theta < at->theta[1])) {
+        return 0;
+    }
+    at->theta[0] = at->theta[1];
+    at->theta[1] = theta;
+    lobe[0] = lobe[1];
+    lobe[1] = first;
+    return 1;
+}
+
+/* Lobes, as bits, whose curvature at the point leaves no doubt that FLAT_STEP changes the objective. */
+static unsigned curved_lobes(const struct fit *f, const struct varpro_value *value, const struct level *level)
+{
+    unsigned curved = 0;
+    int p;
+
+    for (p = 0; p < f->varpro.lobes; p++) {
+        if (0.5 * value->hessian[p][p] * (FLAT_STEP * FLAT_STEP) > FLAT_DOUBT * level->tolerance) {
+            curved |= 1u << p;
+        }
+    }
+    return curved;
+}
+
+/* The arrays of the result, in the caller's units. */
+static void publish(struct fit *f, const brdffit_options *o, brdffit_result *result)
+{
+    size_t k;
+    int p;
+
+    if (o->normalise == BRDFFIT_NORMALISE_NONE) {
+        for (k = 0; k < f->data.channels; k++) {
+            f->data.channel_scale[k] = 1.0;
+        }
+    }
+    result->channel_scale = f->data.channel_scale;
+    result->rms = f->rms;
+    result->model.distribution = o->distribution;
+    result->model.lobes = o->lobes;
+    result->model.channels = f->data.channels;
+    result->model.x = f->x;
+    result->model.y = f->y;
+    for (p = 0; p < o->lobes; p++) {
+        result->model.sigma[p] = result->lobe[p].sigma;
+    }
+    result->sigma_floor = f->theta_flat < f->theta_low ? INFINITY : brdffit_fit_sigma(f, f->theta_flat, o);
+    result->sigma_tail = brdffit_fit_sigma(f, f->theta_high, o);
+    result->distinct_c = f->data.distinct;
+    result->channels_zero = f->data.channels_zero;
+    result->channels_identical = f->data.channels_identical;
+    result->samples_used = f->data.counted;
+    for (p = 0; p < BRDFFIT_SKIP_COUNT; p++) {
+        result->samples_skipped[p] = f->data.skipped[p];
+    }
+}
+
+void brdffit_report(struct fit *f, const brdffit_options *o, double objective_scale, const struct search_result *found,
+                    brdffit_result *result)
+{
+    static const brdffit_result zero;
+    struct point at = found->point;
+    const struct level level = level_of(f, found->objective);
+    struct varpro_value value;
+    unsigned all = (1u << o->lobes) - 1, curved = 0, flat;
+    int p, swapped;
+
+    *result = zero;
+    (void)order_lobes(&at, result->lobe, o->lobes);
+    if (f->norm == BRDFFIT_NORM_L2) {
+        brdffit_varpro_evaluate(&f->varpro, &at, 1, &value);
+        curved = curved_lobes(f, &value, &level);
+    }
+    flat = move_to_largest(f, &at, &level, curved);
+    for (p = 0; p < o->lobes; p++) {
+        describe_lobe(f, &at, p, (flat >> p) & 1, &level, o, &result->lobe[p]);
+        result->lobe[p].effective_samples = effective_samples(f, at.theta[p]);
+    }
+    swapped = order_lobes(&at, result->lobe, o->lobes);
+    if (curved != all || swapped) {
+        brdffit_fit_evaluate(f, &at, 1, &value);
+    }
+    coefficients(f, &at);
+    lobe_shares(f, result);
+    certificate(f, found, value.objective, objective_scale, o, result);
+    result->rms_total = sqrt(sum_of_squares(f) / ((double)f->data.channels * f->data.weight_sum)) *
+                        (o->normalise == BRDFFIT_NORMALISE_NONE ? f->data.channel_scale[0] : 1.0);
+    result->kkt_residual = value.kkt;
+    publish(f, o, result);
+}

@@ -1,6 +1,0 @@
-/*
- * Kernels for what the build targets anyway: SSE2 on x86-64, NEON on AArch64. Layer 1.
- * SPDX-License-Identifier: MIT
- */
-#define KERNELS brdffit_kernels_base
-#include "kernels_body.h"

@@ -1,0 +1,35 @@
+/*
+ * Ashikhmin and Shirley (2000), isotropic (n_u = n_v) and without its Fresnel factor: s = n,
+ * lambda(s) = (n + 1) / (8 pi), b = (n.l) / ((v.h) max(n.l, n.v)), c = -ln cos alpha = ln(1 + tan^2 alpha) / 2. SPDX-License-Identifier: MIT
+ */
+#include "base/constants.h"
+#include "base/exp.h"
+#include "base/log1p.h"
+#include "base/vector.h"
+#include "model/exponential.h"
+
+static void row(const struct geometry_angles *g, struct geometry *out)
+{
+    out->b = g->cos_light / (g->cos_difference * larger(g->cos_light, g->cos_view));
+    out->c = 0.5 * kernel_log1p(g->tan2_half);
+}
+
+static double evaluate(double s, double c)
+{
+    return (s + 1.0) / (8.0 * PI) * kernel_exp(-c * s);
+}
+
+static double factor(double c_min, double s)
+{
+    return evaluate(s, c_min);
+}
+
+const struct lobe_kind brdffit_lobe_ashikhmin_shirley = {
+    .name = "ashikhmin-shirley",
+    .by_exponent = 1,
+    .row = row,
+    .table_kind = TABLE_ROW_SIDE,
+    EXPONENTIAL_MEMBERS,
+    .factor = factor,
+    .evaluate = evaluate,
+};

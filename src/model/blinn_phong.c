@@ -1,0 +1,34 @@
+/*
+ * Blinn (1977) with today's factor: s = n, lambda(s) = (n + 2) / (2 pi), b = n.l, c = -ln cos alpha,
+ * taken as ln(1 + tan^2 alpha) / 2: near the mirror direction every digit of c counts, and a cosine near 1 has lost them. SPDX-License-Identifier: MIT
+ */
+#include "base/constants.h"
+#include "base/exp.h"
+#include "base/log1p.h"
+#include "model/exponential.h"
+
+static void row(const struct geometry_angles *g, struct geometry *out)
+{
+    out->b = g->cos_light;
+    out->c = 0.5 * kernel_log1p(g->tan2_half);
+}
+
+static double evaluate(double s, double c)
+{
+    return (s + 2.0) / (2.0 * PI) * kernel_exp(-c * s);
+}
+
+static double factor(double c_min, double s)
+{
+    return evaluate(s, c_min);
+}
+
+const struct lobe_kind brdffit_lobe_blinn_phong = {
+    .name = "blinn-phong",
+    .by_exponent = 1,
+    .row = row,
+    .table_kind = TABLE_ROW_LIGHT,
+    EXPONENTIAL_MEMBERS,
+    .factor = factor,
+    .evaluate = evaluate,
+};

@@ -1,0 +1,51 @@
+/*
+ * Exponential lobes: see exponential.h. SPDX-License-Identifier: MIT
+ */
+#include "model/exponential.h"
+
+#include <math.h>
+
+#include "base/exp.h"
+#include "base/tolerance.h"
+#include "model/weight.h"
+
+void brdffit_exponential_variable(double c_min, double theta, double u[3])
+{
+    (void)c_min;
+    u[0] = kernel_exp(theta);
+    u[1] = u[0];
+    u[2] = u[0];
+}
+
+void brdffit_exponential_slope(double c, double u, double *ell, double *slope)
+{
+    (void)u;
+    *ell = -c;
+    *slope = 0.0;
+}
+
+double brdffit_exponential_tail(const double *c, const double *bb, size_t m, double c_min)
+{
+    double tail = 0.0, most = 0.0, cap;
+    size_t j;
+
+    (void)c_min;
+    for (j = 1; j < m; j++) {
+        most = bb[j] > most ? bb[j] : most;
+    }
+    cap = most > 0.0 ? TAIL_EXPONENT + weight_exponent(most, bb[0], m) : 0.0;
+    for (j = 1; j < m && cap > tail * c[j]; j++) { /* c ascends: from there on no sample can matter */
+        tail = fmax(tail, (TAIL_EXPONENT + weight_exponent(bb[j], bb[0], m)) / c[j]);
+    }
+    return tail;
+}
+
+double brdffit_exponential_exponent(double c_min, double s)
+{
+    return c_min * s;
+}
+
+void brdffit_exponential_shape(const struct kernels *kernels, const double *c, size_t n, double u, double *phi)
+{
+    kernels->exponential_shape(c, n, u, phi);
+}

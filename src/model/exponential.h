@@ -1,0 +1,21 @@
+/*
+ * What every distribution with phi = exp(-c' u), u = s, shares; they differ in geometry and lambda.
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_EXPONENTIAL_H
+#define BRDFFIT_EXPONENTIAL_H
+
+#include "model/lobe.h"
+
+void brdffit_exponential_variable(double c_min, double theta, double u[3]);
+void brdffit_exponential_shape(const struct kernels *kernels, const double *c, size_t n, double u, double *phi);
+void brdffit_exponential_slope(double c, double u, double *ell, double *slope);
+double brdffit_exponential_tail(const double *c, const double *bb, size_t m, double c_min);
+double brdffit_exponential_exponent(double c_min, double s);
+
+/* The members of struct lobe_kind that are these. */
+#define EXPONENTIAL_MEMBERS                                                                                            \
+    .exponential = 1, .variable = brdffit_exponential_variable, .shape = brdffit_exponential_shape,                    \
+    .slope = brdffit_exponential_slope, .exponent = brdffit_exponential_exponent, .tail = brdffit_exponential_tail
+
+#endif

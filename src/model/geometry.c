@@ -1,0 +1,219 @@
+/*
+ * Directions to angles, and which samples count: see geometry.h; each distribution's file makes b and c of them.
+ * SPDX-License-Identifier: MIT
+ *
+ * tan^2 alpha comes from the unnormalised half vector h = l + v as |n x h|^2 / (n.h)^2: near the mirror
+ * direction 1 - (n.h)^2 would lose every digit that matters there.
+ */
+#include "model/geometry.h"
+
+#include <math.h>
+
+#include "model/lobe.h"
+#include "base/constants.h"
+#include "base/error.h"
+#include "base/tolerance.h"
+#include "base/vector.h"
+
+void brdffit_samples_init(brdffit_samples *samples)
+{
+    static const brdffit_samples zero;
+
+    *samples = zero;
+    samples->struct_size = sizeof *samples;
+}
+
+brdffit_status brdffit_geometry_check(const brdffit_samples *s, int need_values, brdffit_error *error)
+{
+    if (!s || s->struct_size != sizeof *s) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples: NULL or of another version's size");
+    }
+    if (s->quantity != BRDFFIT_QUANTITY_BRDF && s->quantity != BRDFFIT_QUANTITY_RADIANCE) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples: unknown quantity");
+    }
+    if (need_values && s->channels == 0) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples: no channels");
+    }
+    if (s->count == 0) {
+        return need_values ? brdffit_fail(error, BRDFFIT_ERR_NO_SAMPLES, "there are no samples") : BRDFFIT_OK;
+    }
+    if (need_values && !s->values) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples: values is NULL");
+    }
+    switch (s->form) {
+    case BRDFFIT_FORM_DIRECTIONS:
+        if (!s->light || !s->view) {
+            return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples: light or view is NULL");
+        }
+        return BRDFFIT_OK;
+    case BRDFFIT_FORM_ANGLES:
+        if (!s->cos_light || !s->cos_view || !s->tan2_half || !s->cos_difference) {
+            return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples: an array of the angles is NULL");
+        }
+        return BRDFFIT_OK;
+    case BRDFFIT_FORM_COEFFICIENTS:
+        if (!s->a || !s->b || !s->c) {
+            return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples: a, b or c is NULL");
+        }
+        if (s->quantity != BRDFFIT_QUANTITY_RADIANCE) {
+            return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples given as a, b, c must hold radiance");
+        }
+        return BRDFFIT_OK;
+    }
+    return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples: unknown form");
+}
+
+double brdffit_geometry_min_cosine(double max_incidence)
+{
+    return max_incidence >= 90.0 ? 0.0 : cos(max_incidence * (PI / 180.0)) - TOL_INCIDENCE;
+}
+
+/* Unit vector, scaled first so that any finite non-zero length works. 0 on failure. */
+static int unit_vector(const double *v, double out[3])
+{
+    double largest = larger(fabs(v[0]), larger(fabs(v[1]), fabs(v[2])));
+    double x, y, z, length;
+
+    if (!(isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]) && largest > 0.0)) {
+        return 0;
+    }
+    if (largest < 1e-290) { /* so that dividing by it cannot overflow */
+        x = v[0] * 1e300;
+        y = v[1] * 1e300;
+        z = v[2] * 1e300;
+        largest *= 1e300;
+    } else {
+        x = v[0];
+        y = v[1];
+        z = v[2];
+    }
+    x /= largest;
+    y /= largest;
+    z /= largest;
+    length = sqrt(x * x + y * y + z * z);
+    out[0] = x / length;
+    out[1] = y / length;
+    out[2] = z / length;
+    return 1;
+}
+
+static double dot3(const double *u, const double *v)
+{
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+}
+
+static brdffit_status vector_error(brdffit_error *error, const double *v, const char *message, size_t i)
+{
+    int j = 0;
+
+    while (j < 2 && isfinite(v[j])) {
+        j++;
+    }
+    return brdffit_fail_at(error, message, i, BRDFFIT_NONE, v[j]);
+}
+
+static brdffit_status angles_of_directions(const brdffit_samples *s, size_t i, struct geometry_angles *out,
+                                           brdffit_error *error)
+{
+    double l[3], v[3], n[3] = {0.0, 0.0, 1.0}, h[3], cross[3], cos_half, length;
+
+    if (!unit_vector(s->light + 3 * i, l)) {
+        return vector_error(error, s->light + 3 * i, "light direction is not finite or has no length", i);
+    }
+    if (!unit_vector(s->view + 3 * i, v)) {
+        return vector_error(error, s->view + 3 * i, "view direction is not finite or has no length", i);
+    }
+    if (s->normal && !unit_vector(s->normal + 3 * i, n)) {
+        return vector_error(error, s->normal + 3 * i, "normal is not finite or has no length", i);
+    }
+    h[0] = l[0] + v[0];
+    h[1] = l[1] + v[1];
+    h[2] = l[2] + v[2];
+    cross[0] = n[1] * h[2] - n[2] * h[1];
+    cross[1] = n[2] * h[0] - n[0] * h[2];
+    cross[2] = n[0] * h[1] - n[1] * h[0];
+    cos_half = dot3(n, h); /* times |h| */
+    length = sqrt(dot3(h, h));
+    out->cos_light = dot3(n, l);
+    out->cos_view = dot3(n, v);
+    out->tan2_half = dot3(cross, cross) / (cos_half * cos_half);
+    out->cos_difference = 0.5 * length; /* |l + v| = 2 cos(theta_d) for unit vectors */
+    return BRDFFIT_OK;
+}
+
+static brdffit_status angles_given(const brdffit_samples *s, size_t i, struct geometry_angles *out,
+                                   brdffit_error *error)
+{
+    out->cos_light = s->cos_light[i];
+    out->cos_view = s->cos_view[i];
+    out->tan2_half = s->tan2_half[i];
+    out->cos_difference = s->cos_difference[i];
+    if (!(fabs(out->cos_light) <= 1.0)) {
+        return brdffit_fail_at(error, "cos_light is not in [-1, 1]", i, BRDFFIT_NONE, out->cos_light);
+    }
+    if (!(fabs(out->cos_view) <= 1.0)) {
+        return brdffit_fail_at(error, "cos_view is not in [-1, 1]", i, BRDFFIT_NONE, out->cos_view);
+    }
+    if (!(out->tan2_half >= 0.0 && out->tan2_half <= LIMIT_C)) {
+        return brdffit_fail_at(error, "tan2_half is not in [0, 1e100]", i, BRDFFIT_NONE, out->tan2_half);
+    }
+    if (!(out->cos_difference > 0.0 && out->cos_difference <= 1.0)) {
+        return brdffit_fail_at(error, "cos_difference is not in (0, 1]", i, BRDFFIT_NONE, out->cos_difference);
+    }
+    return BRDFFIT_OK;
+}
+
+static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, struct geometry *out, brdffit_error *error)
+{
+    out->a = s->a[i];
+    out->b = s->b[i];
+    out->c = s->c[i];
+    out->cos_light = 1.0;
+    if (!(out->a >= 0.0 && isfinite(out->a))) {
+        return brdffit_fail_at(error, "a is not finite and >= 0", i, BRDFFIT_NONE, out->a);
+    }
+    if (!(out->b >= 0.0 && isfinite(out->b))) {
+        return brdffit_fail_at(error, "b is not finite and >= 0", i, BRDFFIT_NONE, out->b);
+    }
+    if (!(out->c >= 0.0 && out->c <= LIMIT_C)) {
+        return brdffit_fail_at(error, "c is not in [0, 1e100]", i, BRDFFIT_NONE, out->c);
+    }
+    return BRDFFIT_OK;
+}
+
+brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribution distribution, double min_cosine,
+                                     size_t i, struct geometry *out, brdffit_status *status, brdffit_error *error)
+{
+    struct geometry_angles angles;
+
+    *status = BRDFFIT_OK;
+    if (s->weights && !(s->weights[i] >= 0.0 && isfinite(s->weights[i]))) {
+        *status = brdffit_fail_at(error, "weight is not finite and >= 0", i, BRDFFIT_NONE, s->weights[i]);
+        return BRDFFIT_SKIP_COUNT;
+    }
+    if (s->weights && s->weights[i] == 0.0) {
+        return BRDFFIT_SKIP_ZERO_WEIGHT;
+    }
+    if (s->form == BRDFFIT_FORM_COEFFICIENTS) {
+        *status = coefficients_given(s, i, out, error);
+        return BRDFFIT_SKIP_COUNT;
+    }
+    *status = s->form == BRDFFIT_FORM_DIRECTIONS ? angles_of_directions(s, i, &angles, error)
+                                                 : angles_given(s, i, &angles, error);
+    if (*status != BRDFFIT_OK) {
+        return BRDFFIT_SKIP_COUNT;
+    }
+    if (!(angles.cos_light > LIMIT_GRAZING)) {
+        return BRDFFIT_SKIP_LIGHT_BELOW_HORIZON;
+    }
+    if (!(angles.cos_view > LIMIT_GRAZING)) {
+        return BRDFFIT_SKIP_VIEW_BELOW_HORIZON;
+    }
+    if (angles.cos_light < min_cosine) {
+        return BRDFFIT_SKIP_INCIDENCE;
+    }
+    out->a = angles.cos_light / PI;
+    out->cos_light = angles.cos_light;
+    brdffit_lobe_kind_of(distribution)->row(&angles, out);
+    return BRDFFIT_SKIP_COUNT;
+}

@@ -1,0 +1,90 @@
+/*
+ * GGX (Walter et al. 2007) in the geometry of Cook and Torrance: s = 1 / sigma^2, g = b s (1 + c s)^-2.
+ * theory 4.4 has its phi and why it may be used: see lobe.h. SPDX-License-Identifier: MIT
+ */
+#include <math.h>
+#include "base/exp.h"
+#include "base/log.h"
+#include "base/tolerance.h"
+#include "model/cook_torrance.h"
+#include "model/lobe.h"
+#include "model/weight.h"
+
+static void variable(double c_min, double theta, double u[3])
+{
+    double s = kernel_exp(theta), product = c_min * s, rest = 1.0 / (1.0 + product);
+
+    u[0] = s * rest;
+    u[1] = u[0] * rest;
+    u[2] = u[1] * ((1.0 - product) * rest);
+}
+
+static void shape(const struct kernels *kernels, const double *c, size_t n, double u, double *phi)
+{
+    kernels->ggx_shape(c, n, u, phi);
+}
+
+static void slopes(const struct kernels *kernels, const double *c, size_t n, double u, double *minus_ell, double *slope)
+{
+    kernels->ggx_slopes(c, n, u, minus_ell, slope);
+}
+
+static void slope(double c, double u, double *ell, double *slope)
+{
+    *ell = -2.0 * c / (1.0 + c * u);
+    *slope = 0.5 * *ell * *ell;
+}
+
+static double factor(double c_min, double s)
+{
+    double rest = 1.0 + c_min * s;
+
+    return s / (rest * rest);
+}
+
+/*
+ * Where c_min = 0, phi falls like (c s)^-2 towards 0. Where c_min > 0 it goes to (c_min / c)^2 as u goes to 1 / c_min,
+ * like 1 / (c_min s), and only that decides: phi may be far from its limit long after c s is large.
+ */
+static double tail(const double *c, const double *bb, size_t m, double c_min)
+{
+    double tail = 0.0;
+    size_t j;
+
+    if (c_min > 0.0) {
+        return m > 1 ? kernel_exp(TAIL_EXPONENT) / c_min : 0.0;
+    }
+    for (j = 1; j < m; j++) {
+        double exponent = 0.5 * (TAIL_EXPONENT + weight_exponent(bb[j], bb[0], m));
+
+        tail = fmax(tail, kernel_exp(fmin(exponent, 600.0)) / c[j]);
+    }
+    return tail;
+}
+
+static double exponent(double c_min, double s)
+{
+    return 2.0 * kernel_log(1.0 + c_min * s);
+}
+
+static double evaluate(double s, double c)
+{
+    double rest = 1.0 + c * s;
+
+    return s / (rest * rest);
+}
+
+const struct lobe_kind brdffit_lobe_ggx = {
+    .name = "ggx",
+    .row = brdffit_cook_torrance_row,
+    .table_kind = TABLE_ROW_SHADOWED,
+    .table_factor = brdffit_cook_torrance_table_factor,
+    .variable = variable,
+    .shape = shape,
+    .slopes = slopes,
+    .slope = slope,
+    .factor = factor,
+    .exponent = exponent,
+    .tail = tail,
+    .evaluate = evaluate,
+};

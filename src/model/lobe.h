@@ -1,0 +1,99 @@
+/*
+ * What a lobe is (theory 1, 4.4, 7.1): one row of functions and names for each distribution, in a file of its own;
+ * lobes.c holds the table of them. Everything else asks this table and knows no distribution by name.
+ *
+ * A lobe is g(s) = b factor(s) phi(u(s), c') with c' = c - c_min >= 0, where phi(0, c') = 1, phi decreases in u and in
+ * c', and is log-convex in u, so that every moment of phi is a decreasing function whose range on an interval is its
+ * two end values. The scalar factor only rescales y.
+ *
+ *   exponential: phi = exp(-c' u), u = s, factor = lambda(s) exp(-c_min s); the distributions differ in lambda
+ *   GGX:         phi = (1 + c' u)^-2, u = s / (1 + c_min s), factor = s (1 + c_min s)^-2
+ *                (dividing (1 + c s)^-2 by its value at c_min gives the same function of c' and u)
+ *
+ * The search runs over theta = ln s; derivatives of phi are with respect to u: ell = d ln phi / du,
+ * slope = d ell / du. SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_LOBE_H
+#define BRDFFIT_LOBE_H
+
+#include <stddef.h>
+
+#include "brdffit.h"
+#include "kernels/kernels.h"
+#include "model/geometry.h"
+
+/* What b is made of in a row of a table in half/difference angles, given l = n.l and v = n.v (data/table_row.h). */
+enum table_row_kind {
+    TABLE_ROW_SHADOWED, /* min(1, shared min(l, v)) / v, shared = 2 (n.h) / (v.h) */
+    TABLE_ROW_ROOT,     /* sqrt(l / v) */
+    TABLE_ROW_LIGHT,    /* l */
+    TABLE_ROW_SIDE,     /* shared l / max(l, v), shared = 1 / (v.h) */
+    TABLE_ROW_KINDS,
+    TABLE_ROW_NONE      /* c is not the row's alone */
+};
+
+struct lobe_kind {
+    const char *name;
+    int by_exponent; /* the user's parameter is the exponent n = s, and not sigma = 1 / sqrt(s) */
+    int exponential; /* the fast case: ell = -c' whatever u is, and slope = 0 */
+
+    /* ---- geometry ---- */
+
+    /* out->b and out->c; both cosines are above LIMIT_GRAZING. Distributions with the same function share their sums. */
+    void (*row)(const struct geometry_angles *angles, struct geometry *out);
+
+    /* b of a table's row is table_factor(cos^2 alpha) times what table_kind says; NULL: 1. */
+    enum table_row_kind table_kind;
+    double (*table_factor)(double cos2_half);
+
+    /* ---- phi ---- */
+
+    /* u and its first and second derivative by theta. */
+    void (*variable)(double c_min, double theta, double u[3]);
+
+    /* phi(u, c_j) for n (a multiple of LANES) values. */
+    void (*shape)(const struct kernels *kernels, const double *c, size_t n, double u, double *phi);
+
+    /* -ell and slope at each c; NULL for exponential ones. */
+    void (*slopes)(const struct kernels *kernels, const double *c, size_t n, double u, double *minus_ell,
+                   double *slope);
+
+    /* ell and slope at one c. */
+    void (*slope)(double c, double u, double *ell, double *slope);
+
+    /* ---- the scalar factor ---- */
+
+    /* lambda(s) phi(s, c_min): what y is divided by. 0 when it underflows. */
+    double (*factor)(double c_min, double s);
+
+    /* ln(1 / phi(s, c_min)): how far the factor falls, but for lambda. */
+    double (*exponent)(double c_min, double s);
+
+    /*
+     * An s beyond which phi(u(s), c_j) sqrt(bb_j / bb_0) is within exp(-TAIL_EXPONENT) of its limit for
+     * every j > 0, so that nothing changes to rounding. 0 when nothing ever changes (m = 1).
+     */
+    double (*tail)(const double *c, const double *bb, size_t m, double c_min);
+
+    /* g / b at one (s, c): lambda(s) phi(s, c), for evaluation. */
+    double (*evaluate)(double s, double c);
+};
+
+extern const struct lobe_kind brdffit_lobe_beckmann, brdffit_lobe_ggx, brdffit_lobe_torrance_sparrow, brdffit_lobe_ward,
+    brdffit_lobe_blinn_phong, brdffit_lobe_ashikhmin_shirley, brdffit_lobe_lafortune;
+
+/* The distribution must be one of ours. */
+const struct lobe_kind *brdffit_lobe_kind_of(brdffit_distribution distribution);
+
+/* What the cells of one theta_h share: b is `factor` times the table row's b, a is n.l / pi. */
+struct geometry_table_row {
+    enum table_row_kind kind;
+    double factor;
+    double shared; /* of table_row.h, but for 1 / (v.h) */
+    double c;
+};
+
+/* 0 when c is not the row's alone (Lafortune). */
+int brdffit_geometry_table_row(brdffit_distribution distribution, double tan2_half, struct geometry_table_row *out);
+
+#endif

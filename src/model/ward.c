@@ -1,0 +1,39 @@
+/*
+ * Ward (1992), isotropic: s = 1 / sigma^2, lambda(s) = s, c = tan^2 alpha, b = sqrt((n.l) / (n.v)) / (4 pi). SPDX-License-Identifier: MIT
+ */
+#include <math.h>
+#include "base/constants.h"
+#include "base/exp.h"
+#include "model/exponential.h"
+
+static void row(const struct geometry_angles *g, struct geometry *out)
+{
+    out->b = sqrt(g->cos_light / g->cos_view) / (4.0 * PI);
+    out->c = g->tan2_half;
+}
+
+static double table_factor(double cos2_half)
+{
+    (void)cos2_half;
+    return 1.0 / (4.0 * PI);
+}
+
+static double evaluate(double s, double c)
+{
+    return s * kernel_exp(-c * s);
+}
+
+static double factor(double c_min, double s)
+{
+    return evaluate(s, c_min);
+}
+
+const struct lobe_kind brdffit_lobe_ward = {
+    .name = "ward",
+    .row = row,
+    .table_kind = TABLE_ROW_ROOT,
+    .table_factor = table_factor,
+    EXPONENTIAL_MEMBERS,
+    .factor = factor,
+    .evaluate = evaluate,
+};

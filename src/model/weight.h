@@ -1,0 +1,17 @@
+/*
+ * How much a sample can matter beside the sharpest one: for tails. SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_WEIGHT_H
+#define BRDFFIT_WEIGHT_H
+
+#include <stddef.h>
+
+#include "base/log.h"
+
+/* ln of sqrt(m bb_j / bb_0): what a sample weighs against the sharpest one. */
+static inline double weight_exponent(double bb_j, double bb_0, size_t m)
+{
+    return 0.5 * (kernel_log((double)m) + kernel_log(bb_j) - kernel_log(bb_0));
+}
+
+#endif

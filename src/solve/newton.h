@@ -1,0 +1,28 @@
+/*
+ * Damped Newton descent inside a square of theta, of whatever can be evaluated with derivatives.
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_NEWTON_H
+#define BRDFFIT_NEWTON_H
+
+#include "base/point.h"
+
+/* Objective at a point and, when derivatives were asked for, its gradient and Hessian by theta. */
+struct varpro_value {
+    double objective, kkt;
+    double gradient[2];
+    double hessian[2][2];
+};
+
+struct newton {
+    void *self;
+    void (*evaluate)(void *self, const struct point *at, int derivatives, struct varpro_value *value);
+    int lobes;
+    double theta_low, theta_high; /* domain */
+    double least; /* a predicted gain up to this is not worth an evaluation: the objective's rounding */
+};
+
+/* From *point; returns the objective of what *point becomes, never above that of the start. */
+double brdffit_newton(const struct newton *descent, struct point *point);
+
+#endif

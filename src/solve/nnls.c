@@ -1,0 +1,325 @@
+/*
+ * Restricted problem, dense form: see nnls.h. SPDX-License-Identifier: MIT
+ *
+ * Columns are scaled to unit norm (a power of two first, so that squares neither overflow nor vanish) and
+ * orthogonalised by Gram-Schmidt with one re-orthogonalisation, which makes Q orthogonal to rounding
+ * ("twice is enough"). With t = Q'data every support S is a least-squares problem in the columns of the
+ * little triangle R, and the optimum over z >= 0 is the feasible support that leaves least of t: the optimal
+ * support is feasible, and any feasible z is an upper bound. A support with a column that depends
+ * on the others to rounding is left out: the same cone is spanned without it.
+ */
+#include "solve/nnls.h"
+
+#include <math.h>
+
+#include "base/tolerance.h"
+#include "base/vector.h"
+
+/* Remove the part of q_j along earlier q, twice; what remains, normalised, is q_j. */
+static void orthogonalise(struct nnls *nnls, int j)
+{
+    double *q = nnls->q[j];
+    double rest;
+    int pass, i;
+
+    for (pass = 0; pass < 2; pass++) {
+        for (i = 0; i < j; i++) {
+            double part = nnls->kernels->dot(nnls->q[i], q, nnls->rows);
+
+            nnls->kernels->subtract(q, nnls->q[i], 1.0, part, nnls->rows);
+            nnls->r[i][j] += part;
+        }
+    }
+    rest = sqrt(nnls->kernels->dot(q, q, nnls->rows));
+    if (!(rest > TOL_DEPENDENT)) {
+        rest = 0.0;
+    }
+    nnls->r[j][j] = rest;
+    nnls->kernels->scale(q, q, rest > 0.0 ? 1.0 / rest : 0.0, nnls->rows);
+}
+
+/* 0 when the columns of the support are dependent. */
+static int support_factor(const struct nnls *nnls, unsigned bits, struct nnls_support *s)
+{
+    int i, j, k, pass;
+
+    s->count = 0;
+    for (j = 0; j < nnls->columns; j++) {
+        if (bits & (1u << j)) {
+            s->index[s->count++] = j;
+        }
+    }
+    for (j = 0; j < s->count; j++) {
+        double norm = 0.0;
+
+        for (k = 0; k < nnls->columns; k++) {
+            s->basis[j][k] = nnls->r[k][s->index[j]];
+        }
+        for (i = 0; i < j; i++) {
+            s->upper[i][j] = 0.0;
+        }
+        for (pass = 0; pass < 2; pass++) {
+            for (i = 0; i < j; i++) {
+                double part = 0.0;
+
+                for (k = 0; k < nnls->columns; k++) {
+                    part += s->basis[i][k] * s->basis[j][k];
+                }
+                for (k = 0; k < nnls->columns; k++) {
+                    s->basis[j][k] -= part * s->basis[i][k];
+                }
+                s->upper[i][j] += part;
+            }
+        }
+        for (k = 0; k < nnls->columns; k++) {
+            norm += s->basis[j][k] * s->basis[j][k];
+        }
+        norm = sqrt(norm);
+        if (!(norm > TOL_DEPENDENT)) {
+            return 0;
+        }
+        s->upper[j][j] = norm;
+        for (k = 0; k < nnls->columns; k++) {
+            s->basis[j][k] /= norm;
+        }
+    }
+    return 1;
+}
+
+static void factor_supports(struct nnls *nnls)
+{
+    unsigned bits;
+
+    nnls->support[0].count = 0;
+    for (bits = 1; bits < 1u << nnls->columns; bits++) {
+        if (!support_factor(nnls, bits, &nnls->support[bits])) {
+            nnls->support[bits].count = 0;
+        }
+    }
+}
+
+void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_t rows, int columns,
+                         const double *const *column, double *q)
+{
+    int i, j;
+
+    nnls->kernels = kernels;
+    nnls->rows = rows;
+    nnls->columns = columns;
+    for (j = 0; j < columns; j++) {
+        nnls->column[j] = column[j];
+        nnls->q[j] = q + (size_t)j * rows;
+        nnls->scale[j] = power_of_two(kernels->magnitude(column[j], rows));
+        kernels->scale(nnls->q[j], column[j], 1.0 / nnls->scale[j], rows);
+        nnls->norm[j] = sqrt(nnls->kernels->dot(nnls->q[j], nnls->q[j], rows));
+        if (nnls->norm[j] > 0.0) {
+            kernels->scale(nnls->q[j], nnls->q[j], 1.0 / nnls->norm[j], rows);
+        }
+        for (i = 0; i < NNLS_COLUMNS; i++) {
+            nnls->r[i][j] = 0.0;
+        }
+        if (nnls->norm[j] > 0.0) {
+            orthogonalise(nnls, j);
+        }
+    }
+    factor_supports(nnls);
+}
+
+/*
+ * Solve the support for t; z has one entry a column of the support. Returns the squared norm of what is left of t,
+ * from the rest itself: where data are fitted exactly, supports whose projections agree to rounding differ in it.
+ */
+static double support_solve(const struct nnls_support *s, const double *t, int columns, double *z)
+{
+    double rest[NNLS_COLUMNS] = {0.0, 0.0, 0.0}, left = 0.0;
+    int i, j, k;
+
+    for (k = 0; k < columns; k++) {
+        rest[k] = t[k];
+    }
+    for (j = 0; j < s->count; j++) {
+        z[j] = 0.0;
+        for (k = 0; k < columns; k++) {
+            z[j] += s->basis[j][k] * rest[k];
+        }
+        for (k = 0; k < columns; k++) {
+            rest[k] -= z[j] * s->basis[j][k];
+        }
+    }
+    for (k = 0; k < columns; k++) {
+        left += rest[k] * rest[k];
+    }
+    for (j = s->count - 1; j >= 0; j--) {
+        for (i = j + 1; i < s->count; i++) {
+            z[j] -= s->upper[j][i] * z[i];
+        }
+        z[j] /= s->upper[j][j];
+    }
+    return left;
+}
+
+/* Best feasible support for t; writes unit-column coefficients. */
+static unsigned best_support(const struct nnls *nnls, const double *t, double *unit)
+{
+    unsigned bits, chosen = 0;
+    double least = 0.0;
+    int j;
+
+    for (j = 0; j < NNLS_COLUMNS; j++) {
+        unit[j] = 0.0;
+        least += j < nnls->columns ? t[j] * t[j] : 0.0;
+    }
+    for (bits = 1; bits < 1u << nnls->columns; bits++) {
+        const struct nnls_support *s = &nnls->support[bits];
+        double z[NNLS_COLUMNS];
+        double left;
+        int feasible = s->count > 0;
+
+        if (!feasible) {
+            continue;
+        }
+        left = support_solve(s, t, nnls->columns, z);
+        for (j = 0; j < s->count; j++) {
+            feasible = feasible && z[j] > 0.0;
+        }
+        if (feasible && left < least) {
+            least = left;
+            chosen = bits;
+            for (j = 0; j < NNLS_COLUMNS; j++) {
+                unit[j] = 0.0;
+            }
+            for (j = 0; j < s->count; j++) {
+                unit[s->index[j]] = z[j];
+            }
+        }
+    }
+    return chosen;
+}
+
+static void project(const struct nnls *nnls, const double *v, double *t)
+{
+    int j;
+
+    for (j = 0; j < nnls->columns; j++) {
+        t[j] = nnls->kernels->dot(nnls->q[j], v, nnls->rows);
+    }
+}
+
+/* residual = data / data_scale - sum unit_j column_j / |column_j| */
+static void residual_of(const struct nnls *nnls, const double *data, double data_scale, const double *unit,
+                        double *residual)
+{
+    int j;
+
+    nnls->kernels->scale(residual, data, 1.0 / data_scale, nnls->rows);
+    for (j = 0; j < nnls->columns; j++) {
+        if (unit[j] != 0.0) {
+            /* Two factors: their product may overflow where the column is tiny. */
+            nnls->kernels->subtract(residual, nnls->column[j], 1.0 / nnls->scale[j], unit[j] / nnls->norm[j],
+                                    nnls->rows);
+        }
+    }
+}
+
+/* Largest violation: stationarity on the support, no ascent elsewhere. */
+static double kkt_residual(const struct nnls *nnls, const double *residual, unsigned support, double data_norm)
+{
+    double worst = 0.0;
+    int j;
+
+    for (j = 0; j < nnls->columns; j++) {
+        double slope = 0.0;
+
+        if (nnls->norm[j] > 0.0) {
+            slope = nnls->kernels->dot(nnls->column[j], residual, nnls->rows) / nnls->scale[j] / nnls->norm[j];
+        }
+        worst = fmax(worst, support & (1u << j) ? fabs(slope) : slope);
+    }
+    return data_norm > 0.0 ? worst / data_norm : 0.0;
+}
+
+/* One step of iterative refinement on the chosen support; kept only while it stays feasible. */
+static void refine(const struct nnls *nnls, const struct nnls_support *s, const double *residual, double *unit)
+{
+    double t[NNLS_COLUMNS], step[NNLS_COLUMNS];
+    int j;
+
+    project(nnls, residual, t);
+    (void)support_solve(s, t, nnls->columns, step);
+    for (j = 0; j < s->count; j++) {
+        if (!(unit[s->index[j]] + step[j] > 0.0)) {
+            return;
+        }
+    }
+    for (j = 0; j < s->count; j++) {
+        unit[s->index[j]] += step[j];
+    }
+}
+
+void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual, struct nnls_answer *answer)
+{
+    double t[NNLS_COLUMNS], data_norm;
+    int j;
+
+    answer->data_scale = power_of_two(nnls->kernels->magnitude(data, nnls->rows));
+    for (j = 0; j < NNLS_COLUMNS; j++) {
+        answer->unit[j] = 0.0;
+        answer->z[j] = 0.0;
+    }
+    residual_of(nnls, data, answer->data_scale, answer->unit, residual);
+    data_norm = sqrt(nnls->kernels->dot(residual, residual, nnls->rows));
+    project(nnls, residual, t);
+    answer->support = best_support(nnls, t, answer->unit);
+    if (answer->support) {
+        residual_of(nnls, data, answer->data_scale, answer->unit, residual);
+        refine(nnls, &nnls->support[answer->support], residual, answer->unit);
+        residual_of(nnls, data, answer->data_scale, answer->unit, residual);
+    }
+    answer->rss = nnls->kernels->dot(residual, residual, nnls->rows);
+    answer->kkt = kkt_residual(nnls, residual, answer->support, data_norm);
+    for (j = 0; j < nnls->columns; j++) {
+        if (answer->unit[j] > 0.0) {
+            answer->z[j] = answer->unit[j] / nnls->norm[j] / nnls->scale[j] * answer->data_scale;
+        }
+    }
+}
+
+void brdffit_nnls_factor_gram(struct nnls *nnls, int columns, const double cosine[3])
+{
+    double (*r)[NNLS_COLUMNS] = nnls->r, square;
+    int i, j;
+
+    nnls->columns = columns;
+    for (i = 0; i < NNLS_COLUMNS; i++) {
+        for (j = 0; j < NNLS_COLUMNS; j++) {
+            r[i][j] = 0.0;
+        }
+    }
+    r[0][0] = 1.0;
+    r[0][1] = cosine[0];
+    square = (1.0 - cosine[0]) * (1.0 + cosine[0]);
+    r[1][1] = square > 0.0 ? sqrt(square) : 0.0;
+    if (columns > 2) {
+        r[0][2] = cosine[1];
+        r[1][2] = r[1][1] > 0.0 ? (cosine[2] - cosine[0] * cosine[1]) / r[1][1] : 0.0;
+        square = (1.0 - cosine[1]) * (1.0 + cosine[1]) - r[1][2] * r[1][2];
+        r[2][2] = square > 0.0 ? sqrt(square) : 0.0;
+    }
+    factor_supports(nnls);
+}
+
+unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double unit[NNLS_COLUMNS])
+{
+    double q[NNLS_COLUMNS] = {0.0, 0.0, 0.0};
+    int i, j;
+
+    for (j = 0; j < nnls->columns; j++) {
+        double rest = t[j];
+
+        for (i = 0; i < j; i++) {
+            rest -= nnls->r[i][j] * q[i];
+        }
+        q[j] = nnls->r[j][j] > 0.0 ? rest / nnls->r[j][j] : 0.0;
+    }
+    return best_support(nnls, q, unit);
+}

@@ -1,0 +1,72 @@
+/*
+ * The restricted problem: non-negative least squares with at most 3 columns, in closed form by enumeration
+ * of supports (theory, section 2). Two forms:
+ *
+ *   - dense: from the columns themselves, by orthogonalisation. Stable for columns of any scale and however
+ *     close to collinear; used for every number that a user sees.
+ *   - Gram: the gain R(t, M) = max_{z >= 0} 2 t.z - z'Mz from unit-diagonal M; used inside bounds, where t and
+ *     M are perturbed and M need not be positive semidefinite.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_NNLS_H
+#define BRDFFIT_NNLS_H
+
+#include <stddef.h>
+
+#include "kernels/kernels.h"
+
+#define NNLS_COLUMNS 3
+
+/* One support's little least squares: orthonormal basis of its columns of R. */
+struct nnls_support {
+    int count, index[NNLS_COLUMNS]; /* count 0: its columns are dependent, or there are none */
+    double basis[NNLS_COLUMNS][NNLS_COLUMNS]; /* [column of the support][row] */
+    double upper[NNLS_COLUMNS][NNLS_COLUMNS];
+};
+
+/* Columns scaled to unit norm and factored as Q R; pointers belong to the caller. */
+struct nnls {
+    const struct kernels *kernels;
+    size_t rows;
+    int columns;
+    const double *column[NNLS_COLUMNS];
+    double *q[NNLS_COLUMNS];                /* rows each: orthonormal, or zero for a dependent column */
+    double scale[NNLS_COLUMNS];             /* power of two that brings the column to about 1 */
+    double norm[NNLS_COLUMNS];              /* of the scaled column; 0 for a zero column */
+    double r[NNLS_COLUMNS][NNLS_COLUMNS];   /* upper triangular, unit columns */
+    struct nnls_support support[1u << NNLS_COLUMNS]; /* [bits of its columns] */
+};
+
+struct nnls_answer {
+    double z[NNLS_COLUMNS]; /* coefficients of the caller's columns; may overflow where no double holds them */
+    double unit[NNLS_COLUMNS]; /* the same for columns of unit norm and data divided by `data_scale` */
+    double data_scale;      /* power of two that brings the data to about 1 */
+    double rss;             /* sum of squared residuals of data / data_scale */
+    double kkt;             /* largest violation of the KKT conditions, relative to the data's norm */
+    unsigned support;       /* bit j: column j is used */
+};
+
+/* Factor `columns` (1 to 3) columns of `rows` finite values; q: columns x rows doubles of the caller's. */
+void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_t rows, int columns,
+                         const double *const *column, double *q);
+
+/* min ||data - A z||, z >= 0. residual: rows doubles, receives (data - A z) / data_scale. */
+void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual, struct nnls_answer *answer);
+
+/*
+ * The same from cosines 01, 02, 12 of unit columns (two columns: the first), without the columns: brdffit_nnls_support()
+ * is then the answer to t = column . data of each. Accurate as far as the cosines are.
+ */
+void brdffit_nnls_factor_gram(struct nnls *nnls, int columns, const double cosine[3]);
+
+/* Writes unit-column coefficients and returns their support. */
+unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double unit[NNLS_COLUMNS]);
+
+/* R(t, M) for 2 columns with t = (p, q) and cosine kappa in [0, 1]. */
+double brdffit_nnls_gain2(double p, double q, double kappa);
+
+/* The same for 3 columns; cosines 01, 02, 12, each in [0, 1]. */
+double brdffit_nnls_gain3(const double cosine[3], const double t[3]);
+
+#endif
