@@ -13,7 +13,7 @@ from matplotlib.collections import PolyCollection
 import brdffit
 
 matplotlib.use("svg")
-import matplotlib.pyplot as plt  # noqa: E402
+import matplotlib.pyplot as plt
 
 ENGINES = ("socp", "moment")
 TITLES = {"socp": "first order (engine socp)", "moment": "second order (engine moment)"}

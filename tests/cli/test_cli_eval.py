@@ -142,8 +142,8 @@ def test_pretty_printed(desk):
 def test_contract_alone_is_enough(desk):
     """The members that the contract names, without our additions."""
     (line,) = harness.fit("two_lobe_satin.csv", "--lobes", "2", cwd=desk)
-    keep = ("schema file status distribution norm lobes sigma x y channel_scale e2 lower_bound gap rms samples_used "
-            "samples_skipped boxes nodes seconds").split()
+    keep = ["schema", "file", "status", "distribution", "norm", "lobes", "sigma", "x", "y", "channel_scale", "e2", "lower_bound",
+            "gap", "rms", "samples_used", "samples_skipped", "boxes", "nodes", "seconds"]
     save(desk, {name: line[name] for name in keep})
     here, _, _ = figures(harness.run("eval", "fits.json", "two_lobe_satin.csv", cwd=desk).stderr)
     assert here == pytest.approx(line["e2"], rel=1e-12)

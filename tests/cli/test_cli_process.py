@@ -3,6 +3,7 @@
 SPDX-License-Identifier: MIT
 """
 import os
+import pathlib
 import pty
 import resource
 import shutil
@@ -330,7 +331,8 @@ def test_second_interrupt_ends(desk):
     process = start("fit", "--json", "-o", "out", "-", cwd=desk)
     reading(process)
     process.send_signal(signal.SIGINT)
-    while b"ShdPnd:\t0000000000000000" not in open("/proc/%d/status" % process.pid, "rb").read():
+    status = pathlib.Path("/proc/%d/status" % process.pid)
+    while b"ShdPnd:\t0000000000000000" not in status.read_bytes():
         pass  # the first one has to arrive before the second is sent: signals do not queue
     process.send_signal(signal.SIGINT)
     assert process.wait(harness.PATIENCE) == -signal.SIGINT
