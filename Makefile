@@ -112,6 +112,7 @@ help:
 	@echo 'make demo        install what is missing, build, fit the shipped example'
 	@echo 'make check       install what is missing, build, run every test (sanitizers included)'
 	@echo 'make check-asan  C tests and command line under AddressSanitizer and UBSan'
+	@echo 'make venv        the environment of the Python tests, of clang-format and of ruff, in $(VENV)'
 	@echo 'make check-package  the Python package: wheel, sdist, editable, ECOS=0, removal, in fresh environments'
 	@echo 'make deps        only install what is missing (Debian; elsewhere: say what is missing)'
 	@echo 'make docs        the documentation, in $(BUILD)/docs/html'
@@ -354,7 +355,7 @@ check: deps
 	@[ '$(BROWSER)' = 0 ] || sh tools/setup/deps.sh install browser || \
 	    echo 'No Chromium: the test of the pages of brdffit report in a browser is skipped.' >&2
 	@$(MAKE) --no-print-directory check-build
-	@failed=; for part in check-c check-scripts check-asan check-python check-docs; do \
+	@failed=; for part in venv check-c check-scripts check-asan check-python check-docs; do \
 	    $(MAKE) --no-print-directory $$part || failed="$$failed $$part"; \
 	done; \
 	if [ -n "$$failed" ]; then echo "make check: FAILED in$$failed" >&2; exit 1; fi; \
@@ -366,10 +367,12 @@ check-c: check-build
 	@BRDFFIT_BUILD='$(abspath $(BUILD))' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' \
 	    sh tools/setup/run_tests.sh programs $(TEST_PROGRAMS)
 
-# The scripts build what they need themselves; they inherit the compiler and its flags.
+# The scripts build what they need themselves; they inherit the compiler and its flags. check_format.sh finds its tools in
+# the tests' environment, but is not a reason to download it: `make check` does that first.
 check-scripts: check-build
 	@BRDFFIT_BUILD='$(abspath $(BUILD))' MAKE='$(MAKE)' CC='$(CC)' THIRD_PARTY='$(abspath $(THIRD_PARTY))' \
-	    ECOS='$(ECOS)' ECOS_DIR='$(ECOS_DIR)' WERROR='$(WERROR)' sh tools/setup/run_tests.sh scripts $(SCRIPTS)
+	    ECOS='$(ECOS)' ECOS_DIR='$(ECOS_DIR)' WERROR='$(WERROR)' VENV='$(abspath $(VENV))' \
+	    sh tools/setup/run_tests.sh scripts $(SCRIPTS)
 
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
 ASAN = $(MAKE) --no-print-directory BUILD='$(BUILD)/asan' THIRD_PARTY='$(THIRD_PARTY)' VENV='$(VENV)' \
@@ -387,9 +390,13 @@ check-asan-run:
 	exit $$failed
 .PHONY: check-asan-run
 
-PYTESTS ?= $(wildcard tests python/tests)
-check-python:
+# The environment of the Python tests, of clang-format and of ruff.
+venv:
 	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(VENV)' tests/requirements.txt
+.PHONY: venv
+
+PYTESTS ?= $(wildcard tests python/tests)
+check-python: venv
 	@BRDFFIT_BUILD='$(abspath $(BUILD))' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' \
 	    sh tools/setup/run_tests.sh python '$(VENV)' '$(BUILD)' $(PYTESTS)
 

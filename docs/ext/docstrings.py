@@ -9,9 +9,10 @@ import re
 import sys
 import typing
 
-import brdffit
 from sphinx.util.inspect import stringify_signature
 from sphinx.util.nodes import make_refnode
+
+import brdffit
 
 _NAME = r"\w+(?: \([^()]*\))?"
 _NAMES = re.compile(r"^(%s(?:(?:,| and) %s)*(?: after it)?): " % (_NAME, _NAME))

@@ -12,6 +12,7 @@ Needs the package with its extra: pip install './python[dask]'. SPDX-License-Ide
 """
 import argparse
 import collections
+import functools
 import os
 import pathlib
 import shutil
@@ -125,8 +126,8 @@ def run(folder, options):
     stack, light, view = timed("making the stack", lambda: make(str(folder / "stack.zarr"), options.size, options.lobes))
     print("    %s %s, chunks %s, %.0f MB" % (stack.shape, stack.dtype, stack.chunks, stack.nbytes / 1e6))
     values = stack[:]
-    local = timed("from memory, %d threads" % options.workers, lambda: brdffit.fit_map(
-        values, light, view, lobes=options.lobes, threads=options.workers))
+    local = timed("from memory, %d threads" % options.workers, functools.partial(
+        brdffit.fit_map, values, light, view, lobes=options.lobes, threads=options.workers))
     del values
     threads = timed("zarr to zarr, %d threads" % options.workers, lambda: brdffit.fit_map(
         stack, light, view, output=str(folder / "threads.zarr"), client=False, threads=options.workers, progress=Listener(),
