@@ -1,4 +1,4 @@
-"""The wheel, the types. SPDX-License-Identifier: MIT"""
+"""The wheel, the types, the lint. SPDX-License-Identifier: MIT"""
 import os
 import re
 import subprocess
@@ -107,6 +107,11 @@ def test_types_are_true_for_users(tmp_path):
                str(BUILD / "mypy_cache_user"), "user.py", cwd=tmp_path, MYPYPATH=str(ROOT / "python" / "src"))
     errors = re.findall(r"user.py:\d+: error: (.*)", done.stdout)
     assert len(errors) == 2 and "did you mean" in errors[0] and "No overload" in errors[1], done.stdout  # of the last line
+
+
+def test_lint():
+    done = run(sys.executable, "-m", "ruff", "check", "--cache-dir", str(BUILD / "ruff_cache"), "python", cwd=ROOT)
+    assert done.returncode == 0, done.stdout
 
 
 def test_only_numpy_is_needed():
