@@ -26,6 +26,7 @@ import zarr
 
 import brdffit
 import brdffit.dask
+from brdffit.outofcore.tiles import TILE_TEXELS
 
 FIELDS = ("sigma", "x", "y", "channel_scale", "e2", "lower_bound", "sum_of_squares", "status", "stop", "where", "boxes")
 CHUNK = 64
@@ -145,7 +146,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--size", type=int, default=512, help="texels along a side")
     parser.add_argument("--lobes", type=int, default=1, choices=(1, 2))
-    parser.add_argument("--tile", type=int, default=brdffit.dask._tiles.TILE_TEXELS, help="texels of a tile, at least")
+    parser.add_argument("--tile", type=int, default=TILE_TEXELS, help="texels of a tile, at least")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--folder", type=pathlib.Path, help="where stack and maps are left; default: nowhere")
     options = parser.parse_args()

@@ -2,21 +2,23 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from ctypes import byref
-from typing import Any, Callable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _batch
-from . import _structs as structs
-from ._arrays import Floats, floats
-from ._batch import Arrays
-from ._ffi import library
-from ._geometry import Geometry
-from ._stack import Stack, of_all_samples
-from .errors import DataError, from_struct
-from .options import Options
+from .. import _structs as structs
+from .._arrays import Floats, floats
+from .._ffi import library
+from ..errors import DataError, from_struct
+from ..options import Options
+from . import results as texels
+from .batch import check_build
+from .geometry import Geometry
+from .results import Arrays
+from .stack import Stack, of_all_samples
 
 _OK, _VALUE, _NO_SAMPLES = (structs.STATUS.index(word) for word in ("ok", "value", "no_samples"))
 
@@ -25,7 +27,7 @@ def check(given: Geometry, samples: int, channels: int, options: Options) -> Non
     """Options, sizes, and weights and directions of all texels that cannot be used fail here, once."""
     core = library().core
     c_options, c_samples, error = options._struct(), given.shared._struct(), structs.Error()
-    _batch.check_build(c_options)
+    check_build(c_options)
     # Having no sample left is no failure yet: a texel's own directions may leave some.
     if core.brdffit_inspect(byref(c_samples), byref(c_options), None, None, byref(error)) not in (_OK, _NO_SAMPLES):
         raise from_struct(error, path=given.shared.file, lines=given.shared.lines)
@@ -39,7 +41,7 @@ def _at(structure: type[ctypes.Structure], *names: str) -> int:
     inner: Any = structure
     for name in names:
         offset += getattr(inner, name).offset
-        inner = dict((field[0], field[1]) for field in inner._fields_)[name]
+        inner = {field[0]: field[1] for field in inner._fields_}[name]
     return offset // 8
 
 
@@ -84,7 +86,7 @@ class Worker:
             ("channel_scale", 8 * stack.channels, _SCALE)))
         self._sigma = (results["sigma"].ctypes.data, row, ctypes.addressof(self.result) + 8 * _SIGMA)
         self._call: Callable[..., int] = core.brdffit_fit
-        self._counts = dict.fromkeys((*_batch.COUNTS, "no_samples"), 0)
+        self._counts = dict.fromkeys((*texels.COUNTS, "no_samples"), 0)
         self._skipped = dict.fromkeys(structs.SKIP, 0)
 
     def fit(self, first: int, count: int) -> bool:
@@ -96,7 +98,7 @@ class Worker:
             if self.cancelled():
                 return False
             if self.mask is not None and not self.mask[first + i]:
-                self._skip(first + i, _batch.MASKED)
+                self._skip(first + i, texels.MASKED)
                 continue
             for name, start in base.items():
                 setattr(self.samples, name, start + i * step[name])
@@ -127,29 +129,29 @@ class Worker:
         return out
 
     def _skip(self, texel: int, status: int) -> None:
-        _batch.blank(self.to, slice(texel, texel + 1), status)
+        texels.blank(self.to, slice(texel, texel + 1), status)
         self._counts["texels"] += 1
-        self._counts[_batch.STATUS[status]] += 1
+        self._counts[texels.STATUS[status]] += 1
 
     def _one(self, texel: int) -> None:
         status = self._call(*self._arguments)
         if status == _OK:
             self._publish(texel)
         elif status == _NO_SAMPLES:
-            self._skip(texel, _batch.NO_SAMPLES)
+            self._skip(texel, texels.NO_SAMPLES)
         elif status == _VALUE and self.error.sample != structs.NONE:
-            self._skip(texel, _batch.BAD_VALUE)
+            self._skip(texel, texels.BAD_VALUE)
             channel = 0 if self.error.channel == structs.NONE else self.error.channel
             self.to["where"][texel] = self.error.sample * self.stack.channels + channel
         elif status == _VALUE:
-            self._skip(texel, _batch.REFUSED)
+            self._skip(texel, texels.REFUSED)
         else:
             raise from_struct(self.error)
 
     def _publish(self, texel: int) -> None:
         words, doubles, out, counts = self._words, self._doubles, self._out, self._counts
-        status = (_batch.NO_SIGNAL if not doubles[_SQUARES] > 0 else
-                  _batch.CERTIFIED if self.result.certified else _batch.OPEN)
+        status = (texels.NO_SIGNAL if not doubles[_SQUARES] > 0 else
+                  texels.CERTIFIED if self.result.certified else texels.OPEN)
         to, width, start = self._sigma
         ctypes.memmove(to + width * texel, start, width)
         for to, width, pointer in self._rows:
@@ -157,11 +159,11 @@ class Worker:
         for name, at in _NUMBERS:
             out[name][texel] = doubles[at]
         out["status"][texel] = status
-        out["stop"][texel] = _batch.NO_STOP if status == _batch.NO_SIGNAL else self.result.stop
+        out["stop"][texel] = texels.NO_STOP if status == texels.NO_SIGNAL else self.result.stop
         out["where"][texel], out["boxes"][texel] = -1, words[_BOXES]
         counts["texels"] += 1
-        counts[_batch.STATUS[status]] += 1
-        counts["general"] += status != _batch.NO_SIGNAL
+        counts[texels.STATUS[status]] += 1
+        counts["general"] += status != texels.NO_SIGNAL
         counts["boxes"] += words[_BOXES]
         counts["nodes"] += words[_NODES]
         for i, reason in enumerate(structs.SKIP):

@@ -8,10 +8,10 @@ from typing import Union
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import Floats, column, vectors
-from ._stack import of_all_samples
-from .errors import DataError
-from .samples import Samples
+from .._arrays import Floats, column, vectors
+from ..errors import DataError
+from ..samples import Samples
+from .stack import of_all_samples
 
 DirectionsLike = Union[npt.ArrayLike, Samples, "os.PathLike[str]"]
 

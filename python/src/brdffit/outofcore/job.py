@@ -6,16 +6,17 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import TYPE_CHECKING, Any, Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from . import _zarr_maps as store
-from ._tiles import Region, shape_of
-from .errors import BrdffitError, DataError
-
-if TYPE_CHECKING:
-    from .maps import FitMap
+from ..errors import BrdffitError, DataError
+from ..maps.fitmap import FitMap
+from ..maps.memory import fit_array
+from . import store
+from .sources import StoredBlock
+from .tiles import Region, shape_of
 
 # Scheduler's topic under which workers tell when they begin and end a tile: client.get_events(TOPIC).
 TOPIC = "brdffit-tile"
@@ -23,16 +24,6 @@ TOPIC = "brdffit-tile"
 
 class Stopped(Exception):
     """The run ends before this tile does."""
-
-
-class StoredBlock:
-    """A tile's values, which the worker reads itself: only the place travels."""
-
-    def __init__(self, array: Any, index: Region) -> None:
-        self.array, self.index = array, index
-
-    def load(self) -> Any:
-        return self.array[self.index]
 
 
 class Tile:
@@ -53,20 +44,18 @@ class TileJob:
 
     def fit(self, tile: Tile, block: Any, stopped: Callable[[], bool] | None = None) -> FitMap:
         """`stopped` is asked about ten times a second; once it is true, raises `Stopped`."""
-        from .maps import fit_map
-
         def ask(_: object) -> bool:
             return stopped is not None and stopped()
 
         values = block.load() if isinstance(block, StoredBlock) else np.asanyarray(block)  # masks are refused
         try:
             # One thread of C for a thread of the scheduler: it knows how many processors there are.
-            result: FitMap = fit_map(values, threads=1, progress=None if stopped is None else ask, **self.arguments,
-                                     **tile.own)
+            result: FitMap = fit_array(values, threads=1, progress=None if stopped is None else ask, **self.arguments,
+                                       **tile.own)
         except BrdffitError as error:
             texel = getattr(error, "texel", None)
             if texel is not None:
-                setattr(error, "texel", tuple(part.start + i for part, i in zip(tile.region, texel)))
+                error.texel = tuple(part.start + i for part, i in zip(tile.region, texel))
             raise
         if ask(None):
             raise Stopped("stopped")

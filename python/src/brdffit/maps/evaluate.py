@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _structs as structs
-from ._arrays import Floats, address, floats, vectors
-from ._ffi import library
-from ._stack import of_all_samples
-from .errors import DataError, from_struct
-from .samples import choose
+from .. import _structs as structs
+from .._arguments import choose
+from .._arrays import Floats, address, floats, vectors
+from .._ffi import library
+from ..errors import DataError, from_struct
+from .stack import of_all_samples
 
 if TYPE_CHECKING:
-    from .maps import FitMap
+    from .fitmap import FitMap
 
 # Texels whose own directions are laid out at a time.
 _CHUNK = 1024

@@ -5,13 +5,12 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import dataclasses
-import os
 import threading
 import time
-from typing import Callable, Optional, Protocol, Sequence, Union
+from collections.abc import Callable, Sequence
+from typing import Protocol
 
-from .errors import OptionError
-from .progress import Bar, check_progress
+from ..progress import Bar, check_progress
 
 # Seconds between two looks at how far the threads are.
 _PERIOD = 0.1
@@ -26,33 +25,14 @@ class MapProgress:
     rate: float
 
 
-MapCallback = Callable[[MapProgress], Optional[bool]]
-MapProgressArgument = Union[MapCallback, bool, None]
+MapCallback = Callable[[MapProgress], bool | None]
+MapProgressArgument = MapCallback | bool | None
 
 
 class TileWorker(Protocol):
     """One thread's memory. `fit` may be called by one thread at a time, and returns whether the tile is done."""
 
     def fit(self, first: int, count: int) -> bool: ...
-
-
-def processors() -> int:
-    """How many this process may use."""
-    try:
-        return max(1, len(os.sched_getaffinity(0)))
-    except AttributeError:  # not Linux
-        return os.cpu_count() or 1
-
-
-def count_of(name: str, value: int | None, default: int) -> int:
-    if value is None:
-        return default
-    if isinstance(value, bool) or not isinstance(value, int) and not hasattr(value, "__index__"):
-        raise OptionError("%s must be a whole number of at least 1, not %r" % (name, value), code="option")
-    number = value.__index__()
-    if number < 1:
-        raise OptionError("%s must be a whole number of at least 1, not %r" % (name, value), code="option")
-    return number
 
 
 class Teller:

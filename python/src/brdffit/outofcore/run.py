@@ -8,11 +8,12 @@ import concurrent.futures
 import sys
 import threading
 import uuid
-from typing import Any, Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable
+from typing import Any
 
-from ._pool import Teller
-from ._tile_job import Tile, TileJob, run_store
-from .errors import OptionError
+from ..errors import OptionError
+from ..maps.pool import Teller
+from .job import Tile, TileJob, run_store
 
 # How often a job whose input or output failed (OSError) is tried again, in threads; a client retries whatever failed.
 _AGAIN = 2

@@ -7,11 +7,12 @@ from __future__ import annotations
 import dataclasses
 import json
 import warnings
-from typing import Any, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
-from . import _zarr_maps as store
-from ._sources import Source
-from .errors import DataError
+from ..errors import DataError
+from . import store
+from .sources import Source
 
 
 @dataclasses.dataclass(frozen=True)

@@ -8,29 +8,23 @@ import collections
 import ctypes
 import hashlib
 import threading
+from collections.abc import Callable
 from ctypes import POINTER, byref
-from typing import Any, Callable, Mapping
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _structs as structs
-from ._arrays import address, unmasked
-from ._ffi import library
-from ._stack import Block, Stack
-from .errors import DataError, OptionError, from_struct
-from .options import Options
-from .samples import Samples
+from .. import _structs as structs
+from .._arrays import address
+from .._ffi import library
+from ..errors import from_struct
+from ..options import Options
+from ..samples import Samples
+from .results import COUNTS, Arrays
+from .stack import Block, Stack
 
-Arrays = dict[str, npt.NDArray[Any]]
-
-# Beyond the C library's: of texels with directions of their own, and of a run that was stopped.
-STATUS = (*structs.TEXEL_STATUS, "no_samples", "not_reached")
-CERTIFIED, OPEN, NO_SIGNAL, MASKED, BAD_VALUE, REFUSED, NO_SAMPLES, NOT_REACHED = range(len(STATUS))
-NO_STOP = len(structs.STOP)
 _TYPES = {np.dtype(name): i for i, name in enumerate(structs.TYPE)}
-
-COUNTS = tuple(field[0] for field in structs.ManyStats._fields_[1:])
 
 # Texels of one call where it is not said: some milliseconds of work, so that Ctrl-C is heard soon.
 TILE_ONE_LOBE = 4096
@@ -103,7 +97,7 @@ _plans: collections.OrderedDict[tuple[Any, ...], Plan] = collections.OrderedDict
 _plans_lock = threading.Lock()
 
 
-def _content(geometry: Samples) -> bytes:
+def content(geometry: Samples) -> bytes:
     digest = hashlib.blake2b(digest_size=16)
     for name in ("light", "view", "normal", "cos_light", "cos_view", "tan2_half", "cos_difference", "a", "b", "c",
                  "weights"):
@@ -116,7 +110,7 @@ def _content(geometry: Samples) -> bytes:
 
 def plan_for(geometry: Samples, channels: int, options: Options) -> Plan:
     """The plan of a geometry (a `Samples` whose values are not looked at); the last few are kept."""
-    key = (len(geometry), geometry.form, geometry.quantity, _content(geometry), channels, bytes(options._struct()))
+    key = (len(geometry), geometry.form, geometry.quantity, content(geometry), channels, bytes(options._struct()))
     with _plans_lock:
         plan = _plans.get(key)
         if plan is None:
@@ -126,24 +120,6 @@ def plan_for(geometry: Samples, channels: int, options: Options) -> Plan:
         else:
             _plans.move_to_end(key)
     return plan
-
-
-def allocate(count: int, channels: int, lobes: int) -> Arrays:
-    """What `count` texels are fitted into; not filled."""
-    return {"sigma": np.empty((count, lobes)), "x": np.empty((count, channels)),
-            "y": np.empty((count, channels, lobes)), "channel_scale": np.empty((count, channels)),
-            "e2": np.empty(count), "lower_bound": np.empty(count), "sum_of_squares": np.empty(count),
-            "status": np.empty(count, np.uint8), "stop": np.empty(count, np.uint8),
-            "where": np.empty(count, np.intp), "boxes": np.empty(count, np.intp)}
-
-
-def blank(results: Arrays, part: slice, status: int) -> None:
-    """Texels that were not fitted."""
-    for name, array in results.items():
-        array[part] = np.nan if array.dtype.kind == "f" else 0
-    results["status"][part] = status
-    results["stop"][part] = NO_STOP
-    results["where"][part] = -1
 
 
 class Worker:
@@ -188,32 +164,3 @@ class Worker:
 
     def skipped(self) -> dict[str, int]:
         return self.plan.samples_skipped
-
-
-def texel_mask(mask: npt.ArrayLike | None, spatial: tuple[int, ...]) -> npt.NDArray[np.uint8] | None:
-    """A byte a texel, flat: 0 where `mask` is 0 or NaN."""
-    if mask is None:
-        return None
-    unmasked("mask", mask)
-    array = np.asarray(mask)
-    if array.dtype.kind not in "fiub":
-        raise DataError("mask must be of numbers or truth values, not %s" % array.dtype, code="value")
-    if array.shape != spatial:
-        raise DataError("mask must have shape %s, as the texels have, not %s" % (spatial, array.shape), code="argument")
-    if array.dtype.kind == "f":
-        array = (array > 0) | (array < 0)
-    return np.ascontiguousarray(array.astype(bool, copy=False)).reshape(-1).view(np.uint8)
-
-
-def positive(name: str, value: float) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError) as error:
-        raise OptionError("%s must be a number, not %r" % (name, value), code="option") from error
-    if not 0 < number < float("inf"):
-        raise OptionError("%s must be finite and above 0, not %r" % (name, value), code="option")
-    return number
-
-
-def shaped(results: Mapping[str, npt.NDArray[Any]], spatial: tuple[int, ...]) -> Arrays:
-    return {name: array.reshape((*spatial, *array.shape[1:])) for name, array in results.items()}

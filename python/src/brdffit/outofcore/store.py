@@ -15,21 +15,21 @@ import dataclasses
 import hashlib
 import json
 import os
-from typing import Any, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _batch
-from . import _structs as structs
-from ._batch import STATUS
-from ._tiles import Region
-from ._version import __version__
-from .errors import DataError, OptionError
+from .. import _structs as structs
+from .._version import __version__
+from ..errors import DataError, OptionError
+from ..maps.results import COUNTS, NOT_REACHED, STATUS, STOP, allocate, blank
+from .tiles import Region
 
 SCHEMA = "brdffit.maps/1"
 # Of a tile's row: the counts of FitMap.stats, then the skipped samples.
-COUNTED = (*_batch.COUNTS, *STATUS, "texels")
+COUNTED = (*COUNTS, *STATUS, "texels")
 SKIPPED = tuple(structs.SKIP)
 
 _TRAILING = {"sigma": ("lobe",), "x": ("channel",), "channel_scale": ("channel",), "y": ("channel", "lobe")}
@@ -49,8 +49,8 @@ class Field:
 
 
 def fields(channels: int, lobes: int) -> list[Field]:
-    one = _batch.allocate(1, channels, lobes)
-    _batch.blank(one, slice(0, 1), _batch.NOT_REACHED)
+    one = allocate(1, channels, lobes)
+    blank(one, slice(0, 1), NOT_REACHED)
     return [Field(name, {"x": "diffuse", "y": "specular"}.get(name, name), array.dtype.name, array.shape[1:],
                   _TRAILING.get(name, ()), float("nan") if array.dtype.kind == "f" else int(array.flat[0]))
             for name, array in one.items()]
@@ -58,7 +58,7 @@ def fields(channels: int, lobes: int) -> list[Field]:
 
 def field_attributes(name: str) -> dict[str, Any]:
     """What a reader of the file should know (CF's flags)."""
-    words = {"status": STATUS, "stop": (*structs.STOP, "none")}.get(name)
+    words = {"status": STATUS, "stop": STOP}.get(name)
     if words is None:
         return {}
     return {"flag_values": list(range(len(words))), "flag_meanings": " ".join(word.replace(" ", "_") for word in words)}

@@ -10,13 +10,14 @@ from __future__ import annotations
 import itertools
 import math
 import warnings
-from typing import Any, Sequence, Union
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ._pool import count_of
-from .errors import DataError, OptionError
+from .._arguments import count_of
+from ..errors import OptionError
+from ..maps.arguments import TileArgument
 
 # Texels of a tile: some tenths of a second of one-lobe fits, beside which a scheduler's milliseconds are nothing.
 TILE_TEXELS = 65_536
@@ -24,7 +25,6 @@ TILE_TEXELS = 65_536
 TILE_BYTES = 2**30
 
 Region = tuple[slice, ...]
-TileArgument = Union[int, Sequence[int], None]
 
 
 class ChunkWarning(UserWarning):

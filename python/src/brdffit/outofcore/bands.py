@@ -6,19 +6,22 @@ from __future__ import annotations
 
 import concurrent.futures
 import dataclasses
-from typing import Any, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy.typing as npt
 
-from . import _batch
-from ._arrays import freeze
-from ._pool import MapProgress, MapProgressArgument, Teller, count_of
-from ._sources import LazySource
-from ._tiles import TileArgument
-from .dask import Call, prepare
-from .errors import BrdffitError
-from .maps import FitMap, fit_map
-from .options import FitOptions, Options
+from .._arguments import count_of
+from .._arrays import freeze
+from ..errors import BrdffitError
+from ..maps.arguments import TileArgument
+from ..maps.fitmap import FitMap
+from ..maps.memory import fit_array
+from ..maps.pool import MapProgress, MapProgressArgument, Teller
+from ..maps.results import NOT_REACHED, Arrays, allocate, blank, shaped
+from ..options import FitOptions, Options
+from .call import Call, prepare
+from .sources import LazySource
 
 BAND_BYTES = 1 << 27  # one is fitted while the next is read
 
@@ -71,26 +74,26 @@ def fit_bands(values: Any, light: Any, view: Any, *, normal: Any, weights: Any, 
         finally:
             told.teller.close()
     assert whole is not None
-    return _join(parts, _batch.shaped(whole, source.spatial), call.given.own)
+    return _join(parts, shaped(whole, source.spatial), call.given.own)
 
 
 def _fit(call: Call, number: int, values: npt.NDArray[Any], threads: int | None, tile: TileArgument,
          progress: MapProgressArgument) -> FitMap:
     try:
-        return fit_map(values, threads=threads, tile=tile, progress=progress, **call.arguments(), **call.tile_of(number).own)
+        return fit_array(values, threads=threads, tile=tile, progress=progress, **call.arguments(), **call.tile_of(number).own)
     except BrdffitError as error:
         if error.texel is not None:
             error.texel = (error.texel[0] + call.regions[number][0].start, *error.texel[1:])
         raise
 
 
-def _nothing(source: LazySource, lobes: int) -> _batch.Arrays:
-    arrays = _batch.allocate(source.spatial[0] * source.spatial[1], source.channels, lobes)
-    _batch.blank(arrays, slice(None), _batch.NOT_REACHED)
+def _nothing(source: LazySource, lobes: int) -> Arrays:
+    arrays = allocate(source.spatial[0] * source.spatial[1], source.channels, lobes)
+    blank(arrays, slice(None), NOT_REACHED)
     return arrays
 
 
-def _put(whole: _batch.Arrays, part: FitMap, first: int) -> None:
+def _put(whole: Arrays, part: FitMap, first: int) -> None:
     for name, array in whole.items():
         one = getattr(part, name)
         array[first:first + one.shape[0] * one.shape[1]] = one.reshape(-1, *array.shape[1:])

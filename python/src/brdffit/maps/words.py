@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._words import OBJECTIVES, TITLES, html_table
+from .._words import OBJECTIVES, TITLES, html_table
 
 if TYPE_CHECKING:
-    from .maps import FitMap
+    from .fitmap import FitMap
 
 _STATUSES = (("certified", "certified"), ("open", "open: the search stopped early"), ("no_signal", "without signal"),
              ("masked", "masked"), ("bad_value", "with a bad value"), ("refused", "refused"),

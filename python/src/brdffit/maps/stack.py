@@ -5,13 +5,15 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import math
-from typing import Any, Iterable, Iterator, NamedTuple
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _structs as structs
-from .errors import DataError
+from .. import _structs as structs
+from .._arrays import unmasked
+from ..errors import DataError
 
 Values = npt.NDArray[Any]
 
@@ -142,3 +144,18 @@ class Stack:
             part = self.array[of_all_samples(np.unravel_index(np.arange(first, first + count), self.spatial))]
         kept = part.dtype.newbyteorder("=") if part.dtype.newbyteorder("=").name in structs.TYPE else np.float64
         return np.ascontiguousarray(part, dtype=kept)
+
+
+def texel_mask(mask: npt.ArrayLike | None, spatial: tuple[int, ...]) -> npt.NDArray[np.uint8] | None:
+    """A byte a texel, flat: 0 where `mask` is 0 or NaN."""
+    if mask is None:
+        return None
+    unmasked("mask", mask)
+    array = np.asarray(mask)
+    if array.dtype.kind not in "fiub":
+        raise DataError("mask must be of numbers or truth values, not %s" % array.dtype, code="value")
+    if array.shape != spatial:
+        raise DataError("mask must have shape %s, as the texels have, not %s" % (spatial, array.shape), code="argument")
+    if array.dtype.kind == "f":
+        array = (array > 0) | (array < 0)
+    return np.ascontiguousarray(array.astype(bool, copy=False)).reshape(-1).view(np.uint8)

@@ -1,26 +1,28 @@
 """Maps in files, as `brdffit map` writes them. SPDX-License-Identifier: MIT"""
 from __future__ import annotations
 
+import functools
 import io
 import json
 import os
 import pathlib
 import tempfile
 import zipfile
-from typing import IO, TYPE_CHECKING, Any, Callable
+from collections.abc import Callable
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _batch
-from ._arrays import Floats, freeze
-from ._version import __version__
-from .errors import DataError, FileError, OptionError
-from .options import Options
-from .samples import choose
+from .._arguments import choose
+from .._arrays import Floats, freeze
+from .._version import __version__
+from ..errors import DataError, FileError, OptionError
+from ..options import Options
+from .results import NO_STOP, STATUS
 
 if TYPE_CHECKING:
-    from .maps import FitMap
+    from .fitmap import FitMap
 
 SCHEMA = "brdffit.map/1"
 _DESCRIPTION = "map.json"
@@ -38,7 +40,7 @@ def _fields(fits: FitMap) -> dict[str, npt.NDArray[Any]]:
 def describe(fits: FitMap) -> dict[str, Any]:
     """map.json: nothing in it depends on threads, tiles or time."""
     counts = fits.counts
-    known = [name for name in _batch.STATUS if name != "not_reached" or counts[name]]
+    known = [name for name in STATUS if name != "not_reached" or counts[name]]
     size = {"height": fits.shape[0], "width": fits.shape[1]} if len(fits.shape) == 2 else {"shape": list(fits.shape)}
     o = fits.options
     ranges = {"sigma_range": o.sigma_searched, **({"exponent_range": o.exponent_range} if o.by_exponent else {})}
@@ -46,7 +48,7 @@ def describe(fits: FitMap) -> dict[str, Any]:
             "lobes": fits.lobes, "distribution": o.distribution, "norm": o.norm, "normalise": o.normalise,
             **{name: list(ends) for name, ends in ranges.items()}, **{name: getattr(o, name) for name in _ASKED},
             "quantity": fits.quantity,
-            "status": {str(_batch.STATUS.index(name)): name for name in known},
+            "status": {str(STATUS.index(name)): name for name in known},
             "texels": {name: counts[name] for name in known}}
 
 
@@ -94,7 +96,7 @@ def save(fits: FitMap, path: str | os.PathLike[str], format: str) -> None:
             if format == "pfm":
                 _write_pfms(target, name, array)
             else:
-                _replace(target / (name + ".npy"), lambda file: np.save(file, array))
+                _replace(target / (name + ".npy"), functools.partial(np.save, arr=array))
         _replace(target / _DESCRIPTION, lambda file: _write(file, _json(fits)))
     except OSError as error:
         if isinstance(error, FileError):
@@ -134,9 +136,7 @@ def _write_pfms(folder: pathlib.Path, name: str, array: npt.NDArray[Any]) -> Non
     values = _directed(name, array)
     colour = name in ("x", "y") and array.shape[2] == 3
     images: dict[str, npt.NDArray[np.float32]] = {}
-    if values.ndim == 2:
-        images[name] = values
-    elif colour and name == "x":
+    if values.ndim == 2 or colour and name == "x":
         images[name] = values
     elif colour:
         images.update({"y_%d" % (p + 1): values[..., p] for p in range(values.shape[3])})
@@ -150,7 +150,7 @@ def _write_pfms(folder: pathlib.Path, name: str, array: npt.NDArray[Any]) -> Non
     for stem, image in images.items():
         header = "%s\n%d %d\n-1.0\n" % ("PF" if image.ndim == 3 else "Pf", image.shape[1], image.shape[0])
         data = header.encode() + np.ascontiguousarray(image[::-1], dtype="<f4").tobytes()
-        _replace(folder / (stem + ".pfm"), lambda file: _write(file, data))
+        _replace(folder / (stem + ".pfm"), functools.partial(_write, data=data))
 
 
 # ---- Read ------------------------------------------------------------------
@@ -211,7 +211,7 @@ def _members(arrays: dict[str, npt.NDArray[Any]], about: dict[str, Any], path: p
     nothing: Floats = np.full(spatial, np.nan)
     kept = {name: arrays[name] for name in _REQUIRED}
     kept.update(channel_scale=np.full((*spatial, channels), np.nan), sum_of_squares=nothing,
-                stop=np.full(spatial, _batch.NO_STOP, np.uint8), where=np.full(spatial, -1, np.intp),
+                stop=np.full(spatial, NO_STOP, np.uint8), where=np.full(spatial, -1, np.intp),
                 boxes=np.zeros(spatial, np.intp))
     options = _options(about, lobes, path)
     return {**{name: freeze(array) for name, array in kept.items()}, "samples": int(about["samples"]),

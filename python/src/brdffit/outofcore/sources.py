@@ -4,16 +4,17 @@ SPDX-License-Identifier: MIT
 """
 from __future__ import annotations
 
-from typing import Any, Sequence
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _tiles as tiles
-from ._stack import Stack, axes_of
-from ._tile_job import StoredBlock
-from ._tiles import Region, TileArgument
-from .errors import DataError
+from ..errors import DataError
+from ..maps.arguments import TileArgument
+from ..maps.stack import Stack, axes_of
+from . import tiles
+from .tiles import Region
 
 
 def kind(values: Any) -> str | None:
@@ -24,6 +25,21 @@ def kind(values: Any) -> str | None:
                                          ("brdffit", "LazyArray")):
             return package
     return None
+
+
+def is_scaled(values: Any) -> bool:
+    """Whether `values` is an array of zarr, Dask or xarray."""
+    return kind(values) in ("zarr", "dask", "xarray")
+
+
+class StoredBlock:
+    """A tile's values, which the worker reads itself: only the place travels."""
+
+    def __init__(self, array: Any, index: Region) -> None:
+        self.array, self.index = array, index
+
+    def load(self) -> Any:
+        return self.array[self.index]
 
 
 class Source:
@@ -114,9 +130,16 @@ class DaskSource(Source):
         super().__init__(values, sample_axis, channel_axis, [max(sizes) for sizes in values.chunks])
 
     def blocks(self, tile: tuple[int, ...], regions: Sequence[Region]) -> list[Any]:
-        chunks = {axis: size for axis, size in zip(self.axes, tile)}
+        chunks = dict(zip(self.axes, tile))
         whole = self.values.rechunk({a: chunks.get(a, -1) for a in range(self.values.ndim)})
         return list(whole.to_delayed().reshape(-1))
 
     def part(self, region: Region) -> npt.NDArray[Any]:
         return np.asarray(self.values[self.index(region)].compute())
+
+
+def source_of(values: Any, sample_axis: Any, channel_axis: Any) -> Source:
+    found = kind(values)
+    kinds = {"zarr": ZarrSource, "dask": DaskSource, "brdffit": LazySource}
+    source: Source = kinds.get(found or "", NumpySource)(values, sample_axis, channel_axis)
+    return source
