@@ -43,7 +43,7 @@ done
 exact='sqrt|fabs|fmin|fmax|floor|ceil|trunc|rint|nearbyint|round|lround|ldexp|scalbn|frexp|ilogb|logb|copysign|fmod'
 allowed="^(brdffit_.*|mem(cpy|move|set|cmp)|str(len|cmp|ncmp)|$exact|cos|fegetenv|fesetenv|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail(_local)?|__mem(cpy|move|set)_chk)\$"
 problem "the core imports" \
-    "$(nm -A -u "$build/libbrdffit.a" 2> /dev/null | grep -v -e '[:/]fit_alloc\.o:' -e '[:/]socp\.o:' -e '[:/]isa\.o:.* __cpu_\(model\|indicator_init\)$' | awk '{ print $1, $NF }' |
+    "$(nm -A -u "$build/libbrdffit.a" 2> /dev/null | grep -v -e '[:/]allocation\.o:' -e '[:/]socp\.o:' -e '[:/]isa\.o:.* __cpu_\(model\|indicator_init\)$' | awk '{ print $1, $NF }' |
         while read -r where name; do echo "$name" | grep -Eqx "$allowed" || echo "$where $name"; done)"
 
 # Nothing anywhere can take over signals or end the process.
