@@ -216,7 +216,7 @@ static double spread_exponent(const struct kind_moments *own, const struct node 
 }
 
 /* Value, mean and variance of the products of two shapes. */
-static void fill_pair(struct moments *m, const struct couple *at, struct pair *pair)
+void brdffit_moments_fill_pair(struct moments *m, const struct couple *at, struct pair *pair)
 {
     const struct reduced *data = m->data;
     const struct kind_moments *one = &m->kind[at->kind[0]], *two = &m->kind[at->kind[1]];
@@ -227,6 +227,9 @@ static void fill_pair(struct moments *m, const struct couple *at, struct pair *p
     int exponential = at->kind[0] == at->kind[1] && one->kind->exponential;
     double limit = exponential ? PAIR_EXPONENT / (p->u + q->u) : INFINITY, sums[3], exponent, error;
 
+    pair->kinds = (uint32_t)(at->kind[0] + KINDS_MOST * at->kind[1]);
+    pair->first = at->node[0];
+    pair->second = at->node[1];
     m->kernels->pair(w, phi, psi, one->table->c, limit, data->stride, sums);
     pair->value = sums[0];
     pair->mean = sums[1];
@@ -241,20 +244,6 @@ static void fill_pair(struct moments *m, const struct couple *at, struct pair *p
     pair->mu = pair->value / (p->root * q->root) - fmax(p->epsilon, q->epsilon) - error * exponent;
 }
 
-const struct pair *brdffit_moments_pair(struct moments *m, const struct couple *at)
-{
-    uint32_t kinds = (uint32_t)(at->kind[0] + KINDS_MOST * at->kind[1]), first = at->node[0], second = at->node[1];
-    struct pair *pair = &m->cache[(first * 2654435761u ^ second * 40503u ^ kinds * 97u) % PAIR_CACHE];
-
-    if (pair->first != first || pair->second != second || pair->kinds != kinds) {
-        pair->kinds = kinds;
-        pair->first = first;
-        pair->second = second;
-        fill_pair(m, at, pair);
-    }
-    return pair;
-}
-
 const struct node *brdffit_moments_scratch(struct moments *m, int kind, uint32_t slot, double theta)
 {
     m->kind[kind].ready[m->capacity + slot] = 0;
@@ -266,6 +255,6 @@ struct pair brdffit_moments_scratch_pair(struct moments *m, int kind, uint32_t f
     const struct couple at = {{kind, kind}, {m->capacity + first, m->capacity + second}};
     struct pair pair;
 
-    fill_pair(m, &at, &pair);
+    brdffit_moments_fill_pair(m, &at, &pair);
     return pair;
 }

@@ -92,7 +92,18 @@ struct couple {
     int kind[2];
     uint32_t node[2];
 };
-const struct pair *brdffit_moments_pair(struct moments *moments, const struct couple *couple);
+void brdffit_moments_fill_pair(struct moments *moments, const struct couple *couple, struct pair *pair);
+
+static inline const struct pair *brdffit_moments_pair(struct moments *m, const struct couple *at)
+{
+    uint32_t kinds = (uint32_t)(at->kind[0] + KINDS_MOST * at->kind[1]), first = at->node[0], second = at->node[1];
+    struct pair *pair = &m->cache[(first * 2654435761u ^ second * 40503u ^ kinds * 97u) % PAIR_CACHE];
+
+    if (pair->first != first || pair->second != second || pair->kinds != kinds) {
+        brdffit_moments_fill_pair(m, at, pair);
+    }
+    return pair;
+}
 
 /* phi of a computed node: stored, or computed into scratch (stride doubles). */
 const double *brdffit_moments_shape(const struct moments *moments, int kind, const struct node *node, double *scratch);

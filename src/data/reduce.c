@@ -56,6 +56,7 @@ void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t 
     reduced->sample = brdffit_arena_take(arena, count, sizeof(uint32_t));
     reduced->order = brdffit_arena_take(arena, count, sizeof(uint32_t));
     reduced->merge = brdffit_arena_take(arena, count, sizeof(uint32_t));
+    reduced->begin = brdffit_arena_take(arena, count + 1, sizeof(uint32_t));
     reduced->block = ARENA_DOUBLES(arena, width * (width + REDUCE_BLOCK));
 }
 
@@ -78,17 +79,15 @@ static brdffit_status check_values(struct reduced *r, const brdffit_samples *s, 
     return BRDFFIT_OK;
 }
 
-/* b and c of a sample that counts, in every geometry. */
-static void keep_sample(struct reduced *r, const brdffit_samples *s, const struct model *model, size_t i,
-                        const struct geometry *first)
+/* b and c of a sample that counts, in the geometries beyond the first. */
+static void keep_more(struct reduced *r, const brdffit_samples *s, const struct model *model,
+                      const struct geometry *first)
 {
     struct geometry g = *first;
     int t;
 
-    r->sample[r->used] = (uint32_t)i;
-    r->sample_a[r->used] = first->a;
-    for (t = 0; t < r->geometries; t++) {
-        if (t > 0 && s->form != BRDFFIT_FORM_COEFFICIENTS) {
+    for (t = 1; t < r->geometries; t++) {
+        if (s->form != BRDFFIT_FORM_COEFFICIENTS) {
             model->kind[model->shown_by[t]]->row(&first->angles, &g);
         }
         r->table[t].sample_b[r->used] = g.b;
@@ -123,7 +122,13 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
             r->skipped[skip]++;
             continue;
         }
-        keep_sample(r, s, model, i, &g);
+        r->sample[r->used] = (uint32_t)i;
+        r->sample_a[r->used] = g.a;
+        r->table[0].sample_b[r->used] = g.b;
+        r->table[0].sample_c[r->used] = g.c;
+        if (r->geometries > 1) {
+            keep_more(r, s, model, &g);
+        }
         r->sample_factor[r->used] = s->quantity == BRDFFIT_QUANTITY_RADIANCE ? 1.0 : g.cos_light;
         status = check_values(r, s, i, r->sample_factor[r->used], error);
         if (status != BRDFFIT_OK) {
@@ -279,11 +284,12 @@ static brdffit_status choose_scales(struct reduced *r, const brdffit_samples *s,
     return status;
 }
 
-static int not_after(const struct reduced *r, uint32_t p, uint32_t q)
+/* Beyond geometry 0, whose c agree. */
+static int not_after_beyond(const struct reduced *r, uint32_t p, uint32_t q)
 {
     int g;
 
-    for (g = 0; g < r->geometries; g++) {
+    for (g = 1; g < r->geometries; g++) {
         const double *c = r->table[g].sample_c;
 
         if (c[p] != c[q]) {
@@ -293,9 +299,15 @@ static int not_after(const struct reduced *r, uint32_t p, uint32_t q)
     return p < q;
 }
 
+static inline int not_after(const struct reduced *r, const double *c, uint32_t p, uint32_t q)
+{
+    return c[p] < c[q] || (c[p] == c[q] && not_after_beyond(r, p, q));
+}
+
 /* Order by c, then by index: bottom-up merge sort that starts from runs already ascending (a MERL table is one). */
 void brdffit_reduce_sort(struct reduced *r)
 {
+    const double *c = r->table[0].sample_c;
     uint32_t *from = r->order, *to = r->merge;
     size_t n = r->used, begin, i;
     int merged = 1;
@@ -308,16 +320,16 @@ void brdffit_reduce_sort(struct reduced *r)
         for (begin = 0; begin < n;) {
             size_t middle = begin + 1, end, left = begin, right, out = begin;
 
-            while (middle < n && not_after(r, from[middle - 1], from[middle])) {
+            while (middle < n && not_after(r, c, from[middle - 1], from[middle])) {
                 middle++;
             }
             end = middle < n ? middle + 1 : n;
-            while (end < n && not_after(r, from[end - 1], from[end])) {
+            while (end < n && not_after(r, c, from[end - 1], from[end])) {
                 end++;
             }
             merged = merged || middle < n;
             for (right = middle; out < end; out++) {
-                int take_left = left < middle && (right == end || not_after(r, from[left], from[right]));
+                int take_left = left < middle && (right == end || not_after(r, c, from[left], from[right]));
 
                 to[out] = take_left ? from[left++] : from[right++];
             }
@@ -338,7 +350,10 @@ static void snap_table(struct reduced *r, int g)
     size_t i, place;
     int h;
 
-    for (i = 0; i < r->used; i++) {
+    if (g == 0) {
+        low = t->sample_c[r->order[0]];
+    }
+    for (i = 0; i < r->used && g > 0; i++) {
         low = smaller(low, t->sample_c[i]);
     }
     for (place = 0; place < r->used; place++) {

@@ -72,6 +72,8 @@ struct reduced {
     /* scratch while reducing */
     double *sample_a, *sample_factor; /* used: factor = root of w times f_r to radiance */
     uint32_t *sample, *order, *merge;
+    uint32_t *begin; /* place in `order` where each group begins, and one past the last */
+    size_t groups;   /* `distinct` ones with a lobe, then those without */
     double *block;
 };
 

@@ -3,26 +3,43 @@
  */
 #include "data/reduce_parts.h"
 
-double brdffit_reduce_value(const struct reduced *r, const brdffit_samples *samples, uint32_t j, size_t k)
+/* Whether samples p and q agree in the c of every geometry beyond the first. */
+static int alike_beyond(const struct reduced *r, uint32_t p, uint32_t q)
 {
-    double value = samples->values[(size_t)r->sample[j] * samples->channels + k];
-
-    return value / r->channel_scale[k] * r->sample_factor[j]; /* in this order, subnormal data keep their bits */
-}
-
-size_t brdffit_reduce_group_end(const struct reduced *r, size_t begin)
-{
-    size_t end = begin + 1;
     int g, same = 1;
 
-    while (end < r->used) {
-        for (g = 0; g < r->geometries && same; g++) {
-            same = r->table[g].sample_c[r->order[end]] == r->table[g].sample_c[r->order[begin]];
-        }
-        if (!same) {
-            break;
-        }
-        end++;
+    for (g = 1; g < r->geometries; g++) {
+        same = same && r->table[g].sample_c[p] == r->table[g].sample_c[q];
     }
-    return end;
+    return same;
+}
+
+/* Whether a sample has a lobe in some geometry. */
+static int has_lobe(const struct reduced *r, uint32_t j)
+{
+    int g, any = 0;
+
+    for (g = 0; g < r->geometries; g++) {
+        any = any || isfinite(r->table[g].sample_c[j]);
+    }
+    return any;
+}
+
+void brdffit_reduce_group(struct reduced *r)
+{
+    const double *c = r->table[0].sample_c;
+    uint32_t before = 0;
+    size_t place;
+
+    r->groups = r->distinct = 0;
+    for (place = 0; place < r->used; place++) {
+        uint32_t here = r->order[place];
+
+        if (place == 0 || c[before] != c[here] || !alike_beyond(r, before, here)) {
+            r->begin[r->groups++] = (uint32_t)place;
+            r->distinct += (size_t)has_lobe(r, here);
+        }
+        before = here;
+    }
+    r->begin[r->groups] = (uint32_t)r->used;
 }

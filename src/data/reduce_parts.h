@@ -25,7 +25,7 @@ void brdffit_reduce_sort(struct reduced *reduced);
 /* Give half-vector angles within rounding one c, and order again. */
 void brdffit_reduce_snap(struct reduced *reduced);
 
-/* Sets distinct, stride, c_min and c of each geometry; clears what is summed over them. */
+/* After brdffit_reduce_group(): sets stride, c_min and c of each geometry; clears what is summed over them. */
 void brdffit_reduce_groups(struct reduced *reduced);
 
 /* Sums over samples of equal c; sets distinct, stride, c_min and every sum. */
@@ -37,21 +37,13 @@ void brdffit_reduce_every_channel(struct reduced *reduced);
 /* Rows of the vector form, from the same groups; and `total` of norms other than l2. */
 void brdffit_reduce_rows(struct reduced *reduced, const brdffit_samples *samples, brdffit_norm norm);
 
-/* Weighted value of used sample j in channel k, in internal units. */
-double brdffit_reduce_value(const struct reduced *reduced, const brdffit_samples *samples, uint32_t j, size_t k);
+/* Where groups begin, and how many have a lobe; `order` is final. */
+void brdffit_reduce_group(struct reduced *reduced);
 
-/* One past the last place in `order` that agrees with place `begin` in every c. */
-size_t brdffit_reduce_group_end(const struct reduced *reduced, size_t begin);
-
-/* Whether a sample has a lobe in some geometry. */
-static inline int reduce_has_lobe(const struct reduced *r, uint32_t j)
+/* Weighted value of used sample j in channel k, in internal units; in this order, subnormal data keep their bits. */
+static inline double brdffit_reduce_value(const struct reduced *r, const brdffit_samples *samples, uint32_t j, size_t k)
 {
-    int g, any = 0;
-
-    for (g = 0; g < r->geometries; g++) {
-        any = any || isfinite(r->table[g].sample_c[j]);
-    }
-    return any;
+    return samples->values[(size_t)r->sample[j] * samples->channels + k] / r->channel_scale[k] * r->sample_factor[j];
 }
 
 #endif

@@ -162,21 +162,20 @@ static void triangle_rows(struct reduced *r, const brdffit_samples *samples, siz
 
 void brdffit_reduce_rows(struct reduced *r, const brdffit_samples *samples, brdffit_norm norm)
 {
-    size_t place, end;
-    uint32_t group = 0;
+    size_t group, place;
 
     r->rows = 0;
-    for (place = 0; place < r->used; place = end) {
+    for (group = 0; group < r->groups; group++) {
+        size_t begin = r->begin[group], end = r->begin[group + 1];
         /* Samples without a lobe: their b is 0, so any group does. */
-        uint32_t index = reduce_has_lobe(r, r->order[place]) ? group++ : 0;
+        uint32_t index = group < r->distinct ? (uint32_t)group : 0;
 
-        end = brdffit_reduce_group_end(r, place);
         if (norm != BRDFFIT_NORM_L2) {
-            sample_rows(r, samples, place, end, index, norm);
-        } else if (end - place > WORTHWHILE * row_width(r)) {
-            triangle_rows(r, samples, place, end, index);
+            sample_rows(r, samples, begin, end, index, norm);
+        } else if (end - begin > WORTHWHILE * row_width(r)) {
+            triangle_rows(r, samples, begin, end, index);
         } else {
-            for (; place < end; place++) {
+            for (place = begin; place < end; place++) {
                 raw_row(r, samples, r->order[place], index);
             }
         }

@@ -125,35 +125,20 @@ static double largest_b(const struct reduced *r, const struct table *t, size_t b
     return largest;
 }
 
-/* Groups of samples that have a lobe; with one geometry they come first in the order. At least 1. */
-static void count_groups(struct reduced *r)
-{
-    size_t place = 0;
-
-    r->distinct = 0;
-    while (place < r->used) {
-        r->distinct += (size_t)reduce_has_lobe(r, r->order[place]);
-        place = brdffit_reduce_group_end(r, place);
-    }
-    r->stride = PADDED(r->distinct ? r->distinct : 1);
-}
-
 /* c of each group; where it has no lobe in this geometry any number will do. Padding: c of the last, no weight. */
 static void fill_c(struct reduced *r, struct table *t)
 {
-    size_t place, j = 0;
+    size_t j;
 
     t->c_min = INFINITY;
-    for (place = 0; place < r->used; place++) {
-        t->c_min = smaller(t->c_min, t->sample_c[place]);
+    for (j = 0; j < r->distinct; j++) {
+        t->c_min = smaller(t->c_min, t->sample_c[r->order[r->begin[j]]]);
     }
     t->c_min = isfinite(t->c_min) ? t->c_min : 0.0;
-    for (place = 0; place < r->used; place = brdffit_reduce_group_end(r, place)) {
-        double c = t->sample_c[r->order[place]];
+    for (j = 0; j < r->distinct; j++) {
+        double c = t->sample_c[r->order[r->begin[j]]];
 
-        if (reduce_has_lobe(r, r->order[place])) {
-            t->c[j++] = isfinite(c) ? c - t->c_min : 0.0;
-        }
+        t->c[j] = isfinite(c) ? c - t->c_min : 0.0;
     }
     for (; j < r->stride; j++) {
         t->c[j] = j ? t->c[j - 1] : 0.0;
@@ -173,7 +158,7 @@ void brdffit_reduce_groups(struct reduced *r)
 {
     int g, h;
 
-    count_groups(r);
+    r->stride = PADDED(r->distinct ? r->distinct : 1);
     for (g = 0; g < r->geometries; g++) {
         struct table *t = &r->table[g];
 
@@ -185,13 +170,14 @@ void brdffit_reduce_groups(struct reduced *r)
             clear(r->cross[g * (g - 1) / 2 + h], r->stride);
         }
     }
-    r->distinct = r->distinct ? r->distinct : 1;
+    r->distinct = r->distinct ? r->distinct : 1; /* at least 1, if an empty one */
 }
 
-/* The sums of a group, places begin .. end - 1, that need no values; j: its index, if it has a lobe. Returns sum a^2. */
-static double sum_group(struct reduced *r, size_t j, size_t begin, size_t end)
+/* The sums of group j that need no values. Returns sum a^2. */
+static double sum_group(struct reduced *r, size_t j)
 {
     struct geometry_sums s = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
+    size_t begin = r->begin[j], end = r->begin[j + 1];
     int g, h;
 
     for (g = 0; g < r->geometries; g++) {
@@ -207,7 +193,7 @@ static double sum_group(struct reduced *r, size_t j, size_t begin, size_t end)
             t->concentration[j] = value_of(&s.b4) / (relative * relative);
             t->linear[j] = value_of(&s.ab);
         }
-        for (h = 0; h < g && reduce_has_lobe(r, r->order[begin]); h++) {
+        for (h = 0; h < g && j < r->distinct; h++) {
             r->cross[g * (g - 1) / 2 + h][j] = product_sum(r, t->sample_b, r->table[h].sample_b, begin, end);
         }
     }
@@ -217,12 +203,10 @@ static double sum_group(struct reduced *r, size_t j, size_t begin, size_t end)
 static double sum_geometry(struct reduced *r)
 {
     struct sum aa = {0.0, 0.0};
-    size_t place, end, j;
+    size_t j;
 
-    for (place = 0, j = 0; place < r->used; place = end) {
-        end = brdffit_reduce_group_end(r, place);
-        add(&aa, sum_group(r, j, place, end));
-        j += (size_t)reduce_has_lobe(r, r->order[place]);
+    for (j = 0; j < r->groups; j++) {
+        add(&aa, sum_group(r, j));
     }
     return value_of(&aa);
 }
@@ -230,29 +214,26 @@ static double sum_geometry(struct reduced *r)
 static int sum_channel(struct reduced *r, const brdffit_samples *samples, size_t k)
 {
     struct sum ai = {0.0, 0.0}, ii = {0.0, 0.0};
-    size_t place, end, j;
     int any_negative = 0, g;
+    size_t j;
 
-    for (place = 0, j = 0; place < r->used; place = end) {
-        int lobe = reduce_has_lobe(r, r->order[place]);
-        struct channel_sums s;
-
-        end = brdffit_reduce_group_end(r, place);
+    for (j = 0; j < r->groups; j++) {
         for (g = 0; g < r->geometries; g++) {
-            double *linear = r->table[g].linear + j;
+            struct table *t = &r->table[g];
+            struct channel_sums s = channel_sums(r, t, samples, k, r->begin[j], r->begin[j + 1]);
 
-            s = channel_sums(r, &r->table[g], samples, k, place, end);
             if (g == 0) {
                 add(&ai, value_of(&s.ai));
                 add(&ii, value_of(&s.ii));
             }
-            if (lobe) {
-                linear[(1 + k) * r->stride] = value_of(&s.positive);
-                linear[(1 + r->channels + k) * r->stride] = value_of(&s.negative);
-                any_negative = any_negative || value_of(&s.negative) > 0.0;
+            if (j < r->distinct) {
+                double below = value_of(&s.negative);
+
+                t->linear[(1 + k) * r->stride + j] = value_of(&s.positive);
+                t->linear[(1 + r->channels + k) * r->stride + j] = below;
+                any_negative = any_negative || below > 0.0;
             }
         }
-        j += (size_t)lobe;
     }
     r->ai[k] = value_of(&ai);
     r->ii[k] = value_of(&ii);
@@ -265,6 +246,7 @@ void brdffit_reduce_sums(struct reduced *r, const brdffit_samples *samples)
     int any_negative = 0;
     size_t j, k;
 
+    brdffit_reduce_group(r);
     brdffit_reduce_groups(r);
     r->aa = sum_geometry(r);
     r->total = 0.0;

@@ -102,6 +102,7 @@ static void order_groups(const struct brdffit_sums *s, struct reduced *r)
     if (s->directions && !s->bits) { /* nodes are never that close, and are to stay where they are */
         brdffit_reduce_snap(r);
     }
+    brdffit_reduce_group(r);
     brdffit_reduce_groups(r);
     r->counted = s->used;
     r->weight_sum = sums_value(&s->weight) / r->scale_w;
@@ -256,7 +257,7 @@ brdffit_status brdffit_sums_reduce(const struct brdffit_sums *s, const brdffit_o
     /* The block has room for (K + 2) x 64 doubles and more. */
     struct sums_pair *rest = (struct sums_pair *)(void *)r->block, *sum = rest + r->channels;
     brdffit_status status;
-    size_t begin, end, j, k;
+    size_t j, k;
     int negative = 0;
 
     if (s->used == 0) {
@@ -273,11 +274,9 @@ brdffit_status brdffit_sums_reduce(const struct brdffit_sums *s, const brdffit_o
         r->ai[k] = r->ii[k] = 0.0;
         rest[k].high = rest[k].low = 0.0;
     }
-    for (begin = 0, j = 0; begin < s->groups; begin = end, j++) {
-        r->used = s->groups;
-        end = brdffit_reduce_group_end(r, begin);
-        r->used = brdffit_sums_rows(s);
-        merge(s, r, begin, end, sum);
+    r->used = brdffit_sums_rows(s);
+    for (j = 0; j < r->groups; j++) {
+        merge(s, r, r->begin[j], r->begin[j + 1], sum);
         add_group(r, sum, j, rest, &negative);
     }
     add_last_row(r, rest);

@@ -141,7 +141,7 @@ void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_
  * Solve the support for t; z has one entry a column of the support. Returns the squared norm of what is left of t,
  * from the rest itself: where data are fitted exactly, supports whose projections agree to rounding differ in it.
  */
-double brdffit_nnls_support_solve(const struct nnls_support *s, const double *t, int columns, double *z)
+static inline double support_solve(const struct nnls_support *s, const double *t, int columns, double *z)
 {
     double rest[NNLS_COLUMNS], left = 0.0;
     int i, j, k;
@@ -171,7 +171,7 @@ double brdffit_nnls_support_solve(const struct nnls_support *s, const double *t,
 }
 
 /* Best feasible support for t of all; writes unit-column coefficients. */
-unsigned brdffit_nnls_enumerate(const struct nnls *nnls, const double *t, double *unit)
+static inline unsigned enumerate(const struct nnls *nnls, const double *t, double *unit)
 {
     struct nnls_support room;
     unsigned bits, chosen = 0;
@@ -191,7 +191,7 @@ unsigned brdffit_nnls_enumerate(const struct nnls *nnls, const double *t, double
         if (!feasible) {
             continue;
         }
-        left = brdffit_nnls_support_solve(s, t, nnls->columns, z);
+        left = support_solve(s, t, nnls->columns, z);
         for (j = 0; j < s->count; j++) {
             feasible = feasible && z[j] > 0.0;
         }
@@ -209,9 +209,19 @@ unsigned brdffit_nnls_enumerate(const struct nnls *nnls, const double *t, double
     return chosen;
 }
 
+unsigned brdffit_nnls_enumerate(const struct nnls *nnls, const double *t, double *unit)
+{
+    return enumerate(nnls, t, unit);
+}
+
+double brdffit_nnls_support_solve(const struct nnls_support *s, const double *t, int columns, double *z)
+{
+    return support_solve(s, t, columns, z);
+}
+
 static unsigned best_support(const struct nnls *nnls, const double *t, double *unit)
 {
-    return nnls->columns <= NNLS_CLOSED ? brdffit_nnls_enumerate(nnls, t, unit) : brdffit_nnls_active(nnls, t, unit);
+    return nnls->columns <= NNLS_CLOSED ? enumerate(nnls, t, unit) : brdffit_nnls_active(nnls, t, unit);
 }
 
 static void project(const struct nnls *nnls, const double *v, double *t)
@@ -263,7 +273,7 @@ static void refine(const struct nnls *nnls, const struct nnls_support *s, const 
     int j;
 
     project(nnls, residual, t);
-    (void)brdffit_nnls_support_solve(s, t, nnls->columns, step);
+    (void)support_solve(s, t, nnls->columns, step);
     for (j = 0; j < s->count; j++) {
         if (!(unit[s->index[j]] + step[j] > 0.0)) {
             return;

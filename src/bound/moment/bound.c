@@ -48,20 +48,11 @@ void brdffit_bound_moment_start(struct bound_moment *e, const struct reduced *da
     }
 }
 
-static struct interval *plain_side(struct bound_moment *e, int kind, uint32_t index)
-{
-    const struct axis *axis = &e->axis[kind];
-    const struct axis_interval *i = &axis->interval[index];
-
-    return brdffit_interval(&e->intervals[kind], index, i->low, i->high, axis->coordinate[i->low],
-                            axis->coordinate[i->high]);
-}
-
 /* Refine an interval by its halves, these refined `depth` - 1 times before, as far as there are nodes to spare. */
 static struct interval *refined_side(struct bound_moment *e, int kind, uint32_t index, int depth)
 {
-    struct interval *v = plain_side(e, kind, index);
     struct axis *axis = &e->axis[kind];
+    struct interval *v = brdffit_interval(&e->intervals[kind], index, axis);
 
     if (v->refined < depth && axis->nodes < axis->node_capacity / 2) {
         uint32_t child = brdffit_axis_split(axis, index);
@@ -83,9 +74,13 @@ static double change_over(const struct interval *v)
 
 const struct interval *brdffit_bound_moment_side(struct bound_moment *e, int kind, uint32_t index, int depth)
 {
-    double change = change_over(plain_side(e, kind, index));
-    int useful = change > REFINE_TWICE ? 2 : change > REFINE_ONCE ? 1 : 0;
+    const struct interval *v = brdffit_interval(&e->intervals[kind], index, &e->axis[kind]);
+    int useful;
 
+    if (v->refined >= depth) {
+        return v;
+    }
+    useful = change_over(v) > REFINE_TWICE ? 2 : change_over(v) > REFINE_ONCE ? 1 : 0;
     return refined_side(e, kind, index, useful < depth ? useful : depth);
 }
 
@@ -96,19 +91,20 @@ double brdffit_bound_moment_objective(const struct bound_moment *e, double gain)
     return bound > 0.0 ? bound : 0.0;
 }
 
-/* ---- a box ---- */
+/* ---- a box: what follows has the number of sides S as a constant, in an instance for each ---- */
+
+#define INSTANCE static inline __attribute__((always_inline))
 
 /* A box: what bounds each of its sides, and all of them together. */
 struct view {
     struct bound_moment *engine;
-    int sides;
     const struct interval *side[SIDES_MOST];
     int alike[SIDES_MOST];     /* whether the side before it is the same interval of the same kind */
     double least[COSINES(SIDES_MOST)]; /* infimum of each cosine */
     struct gains gains;        /* as they are at the corners */
 };
 
-static struct sides sides_of(const struct view *v, int p, int q)
+INSTANCE struct sides sides_of(const struct view *v, int p, int q)
 {
     const struct model *model = v->engine->model;
     const struct sides s = {&v->engine->moments, {model->lobe[p].kind, model->lobe[q].kind}, {v->side[p], v->side[q]}};
@@ -117,7 +113,7 @@ static struct sides sides_of(const struct view *v, int p, int q)
 }
 
 /* mu of sides p < q at the corners, how far it falls, and its infimum. */
-static void open_pair(struct view *v, int p, int q, int entry)
+INSTANCE void open_pair(struct view *v, int p, int q, int entry)
 {
     const struct sides s = sides_of(v, p, q);
     int same = s.side[0] == s.side[1], corner;
@@ -131,14 +127,14 @@ static void open_pair(struct view *v, int p, int q, int entry)
     v->gains.fall[entry][1] = same ? v->gains.fall[entry][0] : brdffit_pair_shift(&s, 1, v->least[entry]);
 }
 
-static void open_side(struct view *v, const struct box *box, int p, int depth)
+INSTANCE void open_side(struct view *v, const struct box *box, int p, int depth)
 {
     const struct model_lobe *lobe = &v->engine->model->lobe[p];
     const struct interval *s = brdffit_bound_moment_side(v->engine, lobe->kind, box->interval[p], depth);
     struct gains *g = &v->gains;
 
     v->side[p] = s;
-    v->alike[p] = p > lobe->first && v->side[p - 1] == s;
+    v->alike[p] = p > 0 && p > lobe->first && v->side[p - 1] == s;
     v->least[p] = s->kappa_inf;
     g->tau[p][0] = s->low->tau;
     g->tau[p][1] = s->high->tau;
@@ -149,89 +145,96 @@ static void open_side(struct view *v, const struct box *box, int p, int depth)
     g->fall[p][1] = 0.0;
 }
 
-static void open_view(struct view *v, struct bound_moment *e, const struct box *box, int depth)
+INSTANCE void open_view(struct view *v, struct bound_moment *e, const struct box *box, int depth, const int S)
 {
     int p, q, entry;
 
     v->engine = e;
-    v->sides = e->model->sides;
     v->gains.channels = e->moments.data->bounded;
     v->gains.omega = e->moments.omega;
-    for (p = 0; p < v->sides; p++) {
+    for (p = 0; p < S; p++) {
         open_side(v, box, p, depth);
     }
-    for (p = 0, entry = v->sides; p < v->sides; p++) {
-        for (q = p + 1; q < v->sides; q++, entry++) {
+    for (p = 0, entry = S; p < S; p++) {
+        for (q = p + 1; q < S; q++, entry++) {
             open_pair(v, p, q, entry);
         }
     }
 }
 
 /* Whether shifts may be used: those of intervals, and of pairs, which LIMIT_SHIFT covers too. */
-static int usable(const struct view *v)
+INSTANCE int usable(const struct view *v, const int S)
 {
     int fine = 1, i;
 
-    for (i = 0; i < v->sides; i++) {
+    for (i = 0; i < S; i++) {
         fine = fine && v->side[i]->usable;
     }
-    for (i = v->sides; i < COSINES(v->sides); i++) {
+    for (i = S; i < COSINES(S); i++) {
         fine = fine && fabs(v->gains.fall[i][0]) <= LIMIT_SHIFT && fabs(v->gains.fall[i][1]) <= LIMIT_SHIFT;
     }
     return fine;
 }
 
-/* Entries that the shifts would push below 0 at some corner become their infimum. Returns how many. */
-static int make_constant(const struct view *v, struct gains *g)
+/* Whether the shifts would push entry i below 0 at some corner. */
+INSTANCE int sinks(const struct view *v, int i, const int S)
+{
+    const double *cosine = v->gains.cosine[i], *fall = v->gains.fall[i];
+    double lowest = smaller(cosine[0], cosine[1]), most = larger(fall[0], 0.0);
+
+    if (i >= S) {
+        lowest = smaller(lowest, smaller(cosine[2], cosine[3]));
+        most += larger(fall[1], 0.0);
+    }
+    return !(lowest - most >= 0.0);
+}
+
+/* Such entries become their infimum in *safe, a copy of the gains, when there are any. Returns how many. */
+INSTANCE int make_constant(const struct view *v, struct gains *safe, const int S)
 {
     int c, i, constants = 0;
 
-    for (i = 0; i < COSINES(v->sides); i++) {
-        int values = i < v->sides ? 2 : 4;
-        double fall = larger(g->fall[i][0], 0.0), lowest = INFINITY;
-
-        fall += i < v->sides ? 0.0 : larger(g->fall[i][1], 0.0);
-        for (c = 0; c < values; c++) {
-            lowest = smaller(lowest, g->cosine[i][c]);
-        }
-        if (lowest - fall >= 0.0) {
+    for (i = 0; i < COSINES(S); i++) {
+        if (!sinks(v, i, S)) {
             continue;
         }
-        for (c = 0; c < values; c++) {
-            g->cosine[i][c] = v->least[i];
+        if (constants++ == 0) {
+            *safe = v->gains;
         }
-        g->fall[i][0] = g->fall[i][1] = 0.0;
-        constants++;
+        for (c = 0; c < 4; c++) {
+            safe->cosine[i][c] = v->least[i];
+        }
+        safe->fall[i][0] = safe->fall[i][1] = 0.0;
     }
     return constants;
 }
 
 /* Every tau at its supremum, every cosine at its infimum. */
-static double monotone(const struct view *v)
+INSTANCE double monotone(const struct view *v, const int S)
 {
     double sum = 0.0, cosine[COSINES(SIDES_MOST)], t[COLUMNS_MOST];
-    int p, q, entry = v->sides, e = 0;
+    int p, q, entry = S, e = 0;
     size_t k;
 
-    for (p = 0; p < v->sides; p++) { /* of the Gram matrix: the fixed column's row first, then pairs */
+    for (p = 0; p < S; p++) { /* of the Gram matrix: the fixed column's row first, then pairs */
         cosine[e++] = v->least[p];
     }
-    for (p = 0; p < v->sides; p++) {
-        for (q = p + 1; q < v->sides; q++) {
+    for (p = 0; p < S; p++) {
+        for (q = p + 1; q < S; q++) {
             cosine[e++] = v->least[entry++];
         }
     }
     for (k = 0; k < v->gains.channels; k++) {
         t[0] = v->gains.omega[k];
-        for (p = 0; p < v->sides; p++) {
+        for (p = 0; p < S; p++) {
             t[1 + p] = v->side[p]->tau_sup[k];
         }
-        sum += brdffit_nnls_gain(1 + v->sides, cosine, t);
+        sum += brdffit_nnls_gain(1 + S, cosine, t);
     }
     return sum;
 }
 
-static double coordinate(const struct view *v, int p, int high)
+INSTANCE double coordinate(const struct view *v, int p, int high)
 {
     const struct axis *axis = &v->engine->axis[v->engine->model->lobe[p].kind];
 
@@ -239,31 +242,31 @@ static double coordinate(const struct view *v, int p, int high)
 }
 
 /* Whether a corner mirrors one that has its high ends at later sides. */
-static int mirrors(const struct view *v, unsigned corner)
+INSTANCE int mirrors(const struct view *v, unsigned corner, const int S)
 {
     int p, mirror = 0;
 
-    for (p = 1; p < v->sides; p++) {
+    for (p = 1; p < S; p++) {
         mirror = mirror || (v->alike[p] && (corner >> (p - 1) & 1) && !(corner >> p & 1));
     }
     return mirror;
 }
 
 /* The best corner, from true cosines. J is raised by epsilon: the true objective is not below T - J. */
-static double meet_corners(const struct view *v, const double *gain, struct point *met)
+INSTANCE double meet_corners(const struct view *v, const double *gain, struct point *met, const int S)
 {
     double total = v->engine->moments.data->total, best = INFINITY;
     unsigned corner;
     int p;
 
-    for (corner = 0; corner < 1u << v->sides; corner++) {
+    for (corner = 0; corner < 1u << S; corner++) {
         double objective = total - gain[corner];
 
-        if (!(objective < best) || mirrors(v, corner)) {
+        if (!(objective < best) || mirrors(v, corner, S)) {
             continue;
         }
         best = objective;
-        for (p = 0; p < v->sides; p++) {
+        for (p = 0; p < S; p++) {
             met->theta[p] = coordinate(v, p, corner >> p & 1);
         }
     }
@@ -271,12 +274,12 @@ static double meet_corners(const struct view *v, const double *gain, struct poin
 }
 
 /* Whether ranges are no rival to chords: the ends of every side nearly agree. */
-static int narrow(const struct view *v)
+INSTANCE int narrow(const struct view *v, const int S)
 {
     double change = 0.0;
     int i;
 
-    for (i = 0; i < v->sides; i++) {
+    for (i = 0; i < S; i++) {
         change += change_over(v->side[i]);
     }
     return change < MONOTONE_LEAST;
@@ -293,11 +296,11 @@ static double largest_of(const double *gain, unsigned count)
     return largest;
 }
 
-static uint32_t widest(const struct view *v)
+INSTANCE uint32_t widest(const struct view *v, const int S)
 {
     int p, most = 0;
 
-    for (p = 1; p < v->sides; p++) {
+    for (p = 1; p < S; p++) {
         double width = coordinate(v, p, 1) - coordinate(v, p, 0);
 
         most = width > coordinate(v, most, 1) - coordinate(v, most, 0) ? p : most;
@@ -319,21 +322,20 @@ static uint32_t most_lifted(const double *lift, int sides)
  * The bound by shifts into box->bound: by the highest corner where that closes the box already, with no need to know the
  * maximum between them, nor which side to split. Returns the best objective met, 0 or more shifts usable in *lifts.
  */
-static double bound_view(const struct view *v, struct box *box, double cutoff, struct point *met, double *lift,
-                         int *chords)
+INSTANCE double bound_view(const struct view *v, struct box *box, double cutoff, struct point *met, double *lift,
+                           int *chords, const int S)
 {
     const struct kernels *kernels = v->engine->moments.kernels;
     double gain[GAINS(SIDES_MOST)], best;
-    int S = v->sides;
 
-    *chords = usable(v);
+    *chords = usable(v, S);
     kernels->gains[S - 1](&v->gains, *chords, gain);
-    best = meet_corners(v, gain, met);
+    best = meet_corners(v, gain, met, S);
     box->bound = 0.0;
     if (*chords) {
-        struct gains safe = v->gains;
+        struct gains safe;
 
-        if (make_constant(v, &safe)) {
+        if (make_constant(v, &safe, S)) {
             kernels->gains[S - 1](&safe, 1, gain);
         }
         box->bound = brdffit_bound_moment_objective(v->engine, largest_of(gain, GAINS(S)));
@@ -345,18 +347,19 @@ static double bound_view(const struct view *v, struct box *box, double cutoff, s
 }
 
 /* One side: refined step by step as long as the box stays open, whose halves are needed then anyway. */
-static double bound_refining(struct bound_moment *e, struct box *box, double cutoff, struct point *met, struct view *v)
+INSTANCE double bound_refining(struct bound_moment *e, struct box *box, double cutoff, struct point *met,
+                               struct view *v)
 {
     double best, lift[SIDES_MOST], bound;
     int depth, chords;
 
-    open_view(v, e, box, 0);
-    best = bound_view(v, box, cutoff, met, lift, &chords);
+    open_view(v, e, box, 0, 1);
+    best = bound_view(v, box, cutoff, met, lift, &chords, 1);
     for (depth = 1; depth <= 2 && !(box->bound >= cutoff); depth++) {
         bound = box->bound;
         if (brdffit_bound_moment_side(e, e->model->lobe[0].kind, box->interval[0], depth)->refined == depth) {
-            open_view(v, e, box, depth);
-            best = bound_view(v, box, cutoff, met, lift, &chords);
+            open_view(v, e, box, depth, 1);
+            best = bound_view(v, box, cutoff, met, lift, &chords, 1);
             box->bound = larger(box->bound, bound);
         }
     }
@@ -364,28 +367,37 @@ static double bound_refining(struct bound_moment *e, struct box *box, double cut
     return best;
 }
 
-double brdffit_bound_moment(struct bound_moment *e, struct box *box, struct point *met)
+INSTANCE double bound_sides(struct bound_moment *e, struct box *box, struct point *met, const int S)
 {
     double cutoff = box->bound, best, lift[SIDES_MOST], vertex;
     struct view v;
     int chords = 0;
 
-    if (e->model->sides == 1) {
+    if (S == 1) {
         best = bound_refining(e, box, cutoff, met, &v);
     } else {
-        open_view(&v, e, box, 2);
-        best = bound_view(&v, box, cutoff, met, lift, &chords);
+        open_view(&v, e, box, 2, S);
+        best = bound_view(&v, box, cutoff, met, lift, &chords, S);
     }
     vertex = box->bound;
     if (vertex >= cutoff) {
         return best;
     }
-    if (e->model->sides == 1 || !narrow(&v)) {
-        box->bound = larger(vertex, brdffit_bound_moment_objective(e, monotone(&v)));
+    if (S == 1 || !narrow(&v, S)) {
+        box->bound = larger(vertex, brdffit_bound_moment_objective(e, monotone(&v, S)));
     }
     /* Split the side whose shift costs most at a corner; the widest one where the chord is useless. */
-    box->split = chords && vertex == box->bound ? most_lifted(lift, v.sides) : widest(&v);
+    box->split = chords && vertex == box->bound ? most_lifted(lift, S) : widest(&v, S);
     return best;
+}
+
+double brdffit_bound_moment(struct bound_moment *e, struct box *box, struct point *met)
+{
+    switch (e->model->sides) {
+    case 1: return bound_sides(e, box, met, 1);
+    case 2: return bound_sides(e, box, met, 2);
+    default: return bound_sides(e, box, met, 3);
+    }
 }
 
 /* ---- the first incumbent ---- */

@@ -51,6 +51,7 @@ void brdffit_intervals_start(struct intervals *t, struct moments *moments, int k
 {
     t->moments = moments;
     t->kind = kind;
+    t->exponential = moments->kind[kind].kind->exponential;
     memset(t->ready, 0, t->capacity);
 }
 
@@ -99,17 +100,11 @@ static struct enclosure exponential_curvature(struct interval *v)
     return e;
 }
 
-/* Whether a lobe of this kind is exponential. */
-static int exponential(const struct intervals *t)
-{
-    return t->moments->kind[t->kind].kind->exponential;
-}
-
 static struct enclosure own_curvature(const struct intervals *t, struct interval *v)
 {
     struct enclosure e;
 
-    if (exponential(t)) {
+    if (t->exponential) {
         return exponential_curvature(v);
     }
     v->root_m4 = INFINITY;
@@ -122,7 +117,7 @@ static struct enclosure functional_curvature(const struct intervals *t, const st
 {
     struct enclosure e;
 
-    if (exponential(t)) {
+    if (t->exponential) {
         return exponential_functional(v, f, curvature);
     }
     brdffit_family_functional(t->moments, t->kind, v, f, curvature.low, curvature.high, &e.low, &e.high);
@@ -195,20 +190,17 @@ static void fill_point(const struct intervals *t, struct interval *v)
     }
 }
 
-struct interval *brdffit_interval(struct intervals *t, uint32_t index, uint32_t low, uint32_t high, double theta_low,
-                                  double theta_high)
+void brdffit_interval_fill(struct intervals *t, uint32_t index, const struct axis *axis)
 {
+    const struct axis_interval *i = &axis->interval[index];
     struct interval *v = &t->interval[index];
     size_t K = t->moments->data->bounded;
 
-    if (t->ready[index]) {
-        return v;
-    }
     t->ready[index] = 1;
-    v->low = brdffit_moments_node(t->moments, t->kind, low, theta_low);
-    v->high = brdffit_moments_node(t->moments, t->kind, high, theta_high);
-    v->low_index = low;
-    v->high_index = high;
+    v->low = brdffit_moments_node(t->moments, t->kind, i->low, axis->coordinate[i->low]);
+    v->high = brdffit_moments_node(t->moments, t->kind, i->high, axis->coordinate[i->high]);
+    v->low_index = i->low;
+    v->high_index = i->high;
     v->refined = 0;
     v->tau_shift = t->pool + 2 * K * index;
     v->tau_sup = v->tau_shift + K;
@@ -217,7 +209,6 @@ struct interval *brdffit_interval(struct intervals *t, uint32_t index, uint32_t 
     } else {
         fill_point(t, v);
     }
-    return v;
 }
 
 /* The shift of the whole from its halves; `middle`: D(m), with its rounding. */

@@ -7,6 +7,7 @@
 
 #include "base/arena.h"
 #include "data/moments.h"
+#include "search/axis.h"
 
 struct interval {
     const struct node *low, *high;
@@ -26,7 +27,7 @@ struct interval {
 /* Those of one kind of lobe. */
 struct intervals {
     struct moments *moments;
-    int kind;
+    int kind, exponential;
     struct interval *interval;
     unsigned char *ready;
     double *pool;
@@ -36,9 +37,17 @@ struct intervals {
 void brdffit_intervals_layout(struct intervals *intervals, struct arena *arena, size_t capacity, size_t channels);
 void brdffit_intervals_start(struct intervals *intervals, struct moments *moments, int kind);
 
-/* Interval `index` between two nodes of the axis, computed on first use. */
-struct interval *brdffit_interval(struct intervals *intervals, uint32_t index, uint32_t low, uint32_t high,
-                                  double theta_low, double theta_high);
+/* Interval `index` between two nodes of the axis: see brdffit_interval(). */
+void brdffit_interval_fill(struct intervals *intervals, uint32_t index, const struct axis *axis);
+
+/* What is known of interval `index` of the axis, computed on first use. */
+static inline struct interval *brdffit_interval(struct intervals *t, uint32_t index, const struct axis *axis)
+{
+    if (!t->ready[index]) {
+        brdffit_interval_fill(t, index, axis);
+    }
+    return &t->interval[index];
+}
 
 /* Tighten kappa_shift and every tau_shift by the two halves of the interval, which share the node in between. */
 void brdffit_interval_refine(struct intervals *intervals, struct interval *whole, const struct interval *left,
