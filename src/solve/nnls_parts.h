@@ -7,6 +7,9 @@
 
 #include "solve/nnls.h"
 
+/* Count 0 when the columns of the support are dependent. */
+void brdffit_nnls_support_factor(const struct nnls *nnls, unsigned bits, struct nnls_support *support);
+
 /* One entry a column of the support into z; returns the squared norm of what is left of t. */
 double brdffit_nnls_support_solve(const struct nnls_support *support, const double *t, int columns, double *z);
 
