@@ -334,7 +334,7 @@ deps:
 
 demo:
 	@$(MAKE) --no-print-directory deps DEPS='cli build'
-	@$(MAKE) --no-print-directory all
+	@$(MAKE) --no-print-directory libraries $(TOOLS)
 	@sh tools/setup/demo.sh '$(BUILD)'
 
 # Figures and notebook run the library; a warning, a cell that fails or a bound above the truth ends the build.
