@@ -37,7 +37,7 @@ BRDFFIT_DATA ?= ../shared/data
 # ---- What it may not ---------------------------------------------------------
 
 VERSION := $(shell sed -n 's/^.define BRDFFIT_VERSION_STRING "\(.*\)"$$/\1/p' include/brdffit.h)
-SOVERSION := 0
+SOVERSION := 1
 
 # Kept whatever CFLAGS says. Proofs and reproducible bits need plain IEEE arithmetic: no contraction
 # into FMA (and never -ffast-math: base/exp.h refuses it). errno from libm is never read.
@@ -142,7 +142,7 @@ $(OBJ)/compile.flags: FORCE
 	$(call remember,$(COMPILE) ECOS=$(ECOS) $(ECOS_ROOT))
 
 $(BUILD)/link.flags: FORCE
-	$(call remember,$(CC) $(CFLAGS) $(LDFLAGS) $(AR) $(OBJ) $(VERSION) $(CORE) $(IO) $(CLI) $(GONIOMETER))
+	$(call remember,$(CC) $(CFLAGS) $(LDFLAGS) $(AR) $(OBJ) $(VERSION) $(SOVERSION) $(CORE) $(IO) $(CLI) $(GONIOMETER))
 
 $(BUILD)/install.flags: FORCE
 	$(call remember,$(VERSION) $(prefix) $(exec_prefix) $(libdir) $(includedir))
@@ -255,7 +255,7 @@ $(STATIC_IO): $(IO) $(BUILD)/link.flags
 	@rm -f $@
 	$(call say,AR,$@)$(AR) rcs $@ $(IO)
 
-# name.so -> name.so.0 -> name.so.0.1.0
+# name.so -> name.so.1 -> name.so.0.2.0
 define shared_library
 	$(call say,LINK,$@)$(LINK) -shared -Wl,-soname,$(@F).$(SOVERSION) -o $@.$(VERSION) $(1)
 	@ln -sf $(@F).$(VERSION) $@.$(SOVERSION)

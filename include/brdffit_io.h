@@ -49,24 +49,26 @@ typedef struct brdffit_io_options {
     brdffit_quantity quantity;   /* used when quantity_set */
     brdffit_io_merl_bins merl_bins;
     brdffit_io_merl_sampling merl_sampling;
-    const brdffit_samples *directions; /* form DIRECTIONS, used with MERL_DIRECTIONS */
     int directions_only;         /* 1: a CSV needs no channel; its samples may then have none (channels 0,
                                     values NULL): places to evaluate at or to look up, nothing to fit */
+    const brdffit_samples *directions; /* form DIRECTIONS, used with MERL_DIRECTIONS */
 } brdffit_io_options;
 
-BRDFFIT_API void brdffit_io_options_init(brdffit_io_options *options);
+/* Set struct_size and every default. NULL is fine: nothing happens. */
+#define brdffit_io_options_init(options) brdffit_io_options_init_sized((options), sizeof *(options))
+BRDFFIT_API void brdffit_io_options_init_sized(brdffit_io_options *options, size_t struct_size);
 
 /*
  * A file in memory. Owns everything that it points to, samples included.
  * Release with brdffit_io_free().
  */
 typedef struct brdffit_table {
-    brdffit_samples samples;     /* ready for brdffit_fit() */
-    char **channel_names;        /* samples.channels strings */
+    brdffit_samples *samples;    /* ready for brdffit_fit() */
+    char **channel_names;        /* samples->channels strings */
     size_t *lines;               /* per sample, the line of the text file; NULL for MERL */
     brdffit_io_format format;    /* what the file turned out to be */
     int compressed;              /* 1 for gzip */
-    size_t dropped[BRDFFIT_IO_DROP_COUNT];
+    const size_t *dropped;       /* BRDFFIT_IO_DROP_COUNT counts, by brdffit_io_drop */
     size_t negative;             /* samples kept that have a negative value (CSV only) */
     size_t dims[3];              /* MERL: theta_h, theta_d, phi_d bins; else 0 */
     size_t rows;                 /* entries in the file: CSV data lines, or MERL cells */

@@ -25,7 +25,7 @@ int main(void)
 {
     char csv[4096] = "a,b,c,v\n";
     brdffit_table *table;
-    brdffit_result *result;
+    const brdffit_result *result;
     brdffit_error error;
     int i;
 
@@ -34,14 +34,14 @@ int main(void)
         sprintf(csv + strlen(csv), "%.17g,%.17g,%.17g,%.17g\n", a, b, c, 0.2 * a + 0.5 * b * 16.0 * exp(-16.0 * c));
     }
     if (brdffit_io_read_memory(csv, strlen(csv), NULL, &table, &error) ||
-        brdffit_fit_new(&table->samples, NULL, &result, &error)) {
+        brdffit_fit_new(table->samples, NULL, &result, &error)) {
         printf("%s: %s\n", brdffit_status_string(error.status), error.message);
         return 1;
     }
-    printf("%s sigma %.9f certified %d\n", brdffit_version(), result->model.sigma[0], result->certified);
-    i = !(fabs(result->model.sigma[0] - 0.25) < 1e-9 && result->certified &&
+    printf("%s sigma %.9f certified %d\n", brdffit_version(), result->model->sigma[0], result->certified);
+    i = !(fabs(result->model->sigma[0] - 0.25) < 1e-9 && result->certified &&
           strcmp(brdffit_version(), BRDFFIT_VERSION_STRING) == 0);
-    brdffit_fit_free(result);
+    brdffit_result_free(result);
     brdffit_io_free(table);
     return i;
 }
@@ -71,7 +71,7 @@ LD_LIBRARY_PATH=$root/lib "$stage/shared"
 # shellcheck disable=SC2086
 $CC ${CFLAGS:-} -o "$stage/static" "$stage/consumer.c" $flags -L"$root/lib" -Wl,-Bstatic -lbrdffit_io -lbrdffit -Wl,-Bdynamic $private
 "$stage/static"
-# A program that only has the run-time names (libbrdffit.so.0) still starts.
+# A program that only has the run-time names (libbrdffit.so.1) still starts.
 rm "$root"/lib/libbrdffit.so "$root"/lib/libbrdffit_io.so
 LD_LIBRARY_PATH=$root/lib "$stage/shared" > /dev/null
 CXX=${CXX:-c++}

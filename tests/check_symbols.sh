@@ -24,7 +24,7 @@ exported() {
 for pair in libbrdffit:brdffit.h libbrdffit_io:brdffit_io.h; do
     library=$build/${pair%:*}.so
     header=${pair#*:}
-    declared=$(grep -v '^ \*' "include/$header" | grep -A 3 'BRDFFIT_API' | grep -o 'brdffit_[a-z0-9_]*(' | tr -d '(' | sort -u)
+    declared=$(grep -v -e '^ \*' -e '^#define' "include/$header" | grep -A 3 'BRDFFIT_API' | grep -o 'brdffit_[a-z0-9_]*(' | tr -d '(' | sort -u)
     problem "$library exports what $header does not declare" \
         "$(exported "$library" | while read -r name; do echo "$declared" | grep -qx "$name" || echo "$name"; done)"
     problem "$library lacks what $header declares" \

@@ -64,10 +64,10 @@ static inline void problem_init(struct problem *p, brdffit_form form)
     brdffit_test_data_free(&data);
 }
 
-static inline brdffit_result fit_and_free(const brdffit_samples *samples, const brdffit_options *options)
+static inline struct brdffit_test_result fit_and_free(const brdffit_samples *samples, const brdffit_options *options)
 {
     struct brdffit_test_fit fit;
-    brdffit_result result;
+    struct brdffit_test_result result;
 
     brdffit_test_fit(samples, options, &fit);
     result = fit.result;

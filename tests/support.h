@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "brdffit.h"
+#include "verify.h"
 
 /* ---- Random numbers: splitmix64, the same on every platform ------------------------------------------- */
 
@@ -71,13 +72,19 @@ void brdffit_test_print(const brdffit_samples *samples, const brdffit_options *o
 /* ---- Fit ---------------------------------------------------------------------------------------------- */
 
 struct brdffit_test_fit {
-    brdffit_result result;
+    struct brdffit_test_result result;
     void *workspace;
     size_t workspace_size;
 };
 
+/* brdffit_fit() and brdffit_fit_sums() with a flat result; untouched on failure. */
+brdffit_status brdffit_test_run(const brdffit_samples *samples, const brdffit_options *options, void *workspace,
+                                size_t size, struct brdffit_test_result *result, brdffit_error *error);
+brdffit_status brdffit_test_run_sums(const brdffit_sums *sums, const brdffit_options *options, void *workspace,
+                                     size_t size, struct brdffit_test_result *result, brdffit_error *error);
+
 /*
- * Fit in a workspace of exactly the size asked for and have the result judged by brdffit_verify(). The cmocka
+ * Fit in a workspace of exactly the size asked for and have the result judged by brdffit_test_verify(). The cmocka
  * test fails, with the problem printed, when either fails. options may be NULL.
  */
 void brdffit_test_fit(const brdffit_samples *samples, const brdffit_options *options, struct brdffit_test_fit *fit);

@@ -97,7 +97,7 @@ static void attack_problem(uint64_t seed, long *done)
     struct bound_case c;
     brdffit_options options;
     brdffit_samples samples;
-    brdffit_result result;
+    const brdffit_result *result;
     struct search_result found;
     struct arena arena;
     struct fit fit;
@@ -117,8 +117,8 @@ static void attack_problem(uint64_t seed, long *done)
     assert_int_equal(brdffit_reduce(&fit.data, &samples, &options, NULL), BRDFFIT_OK);
     bound_case_rescale(&c, &fit.data);
     brdffit_fit_prepare(&fit, &options);
-    found.point.theta[0] = -2.0 * log(result.model.sigma[c.lobes - 1]);
-    found.point.theta[1] = -2.0 * log(result.model.sigma[0]);
+    found.point.theta[0] = -2.0 * log(result->model->sigma[c.lobes - 1]);
+    found.point.theta[1] = -2.0 * log(result->model->sigma[0]);
     for (box = 0; box < 40; box++) {
         double range[2][2];
 

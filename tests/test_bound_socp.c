@@ -77,7 +77,7 @@ static void open_problem(struct attacked *a, uint64_t seed)
 {
     brdffit_options options;
     brdffit_samples samples;
-    brdffit_result *result;
+    const brdffit_result *result;
     struct arena arena;
     int steep;
     size_t size;
@@ -91,9 +91,9 @@ static void open_problem(struct attacked *a, uint64_t seed)
         samples.c = a->told;
     }
     assert_int_equal(brdffit_fit_new(&samples, &options, &result, NULL), BRDFFIT_OK);
-    a->optimum.theta[0] = -2.0 * log(result->model.sigma[a->c.lobes - 1]);
-    a->optimum.theta[1] = -2.0 * log(result->model.sigma[0]);
-    brdffit_fit_free(result);
+    a->optimum.theta[0] = -2.0 * log(result->model->sigma[a->c.lobes - 1]);
+    a->optimum.theta[1] = -2.0 * log(result->model->sigma[0]);
+    brdffit_result_free(result);
     options.engine = BRDFFIT_ENGINE_SOCP;
     size = brdffit_workspace_size(a->c.count, a->c.channels, &options);
     a->workspace = malloc(size);

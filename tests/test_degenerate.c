@@ -1,5 +1,5 @@
 /*
- * Input at the edges of what makes sense: every fit is judged by brdffit_verify(), and what the answer must be
+ * Input at the edges of what makes sense: every fit is judged by brdffit_test_verify(), and what the answer must be
  * is checked besides. SPDX-License-Identifier: MIT
  */
 #include <math.h>
@@ -18,10 +18,10 @@
         for ((options).distribution = BRDFFIT_BECKMANN; (options).distribution <= BRDFFIT_GGX;                         \
              (options).distribution = (brdffit_distribution)((options).distribution + 1))
 
-static brdffit_result fit_and_free(const brdffit_samples *samples, const brdffit_options *options)
+static struct brdffit_test_result fit_and_free(const brdffit_samples *samples, const brdffit_options *options)
 {
     struct brdffit_test_fit fit;
-    brdffit_result result;
+    struct brdffit_test_result result;
 
     brdffit_test_fit(samples, options, &fit);
     result = fit.result; /* its arrays are gone after the next line */
@@ -38,7 +38,7 @@ static void test_one_sample(void **state)
     (void)state;
     FOR_EACH_MODEL(options)
     {
-        brdffit_result result = fit_and_free(&samples, &options);
+        struct brdffit_test_result result = fit_and_free(&samples, &options);
 
         assert_int_equal(result.certified, 1);
         assert_true(result.e2 <= 1e-30 * result.sum_of_squares);
@@ -77,7 +77,7 @@ static void test_all_c_equal(void **state)
     (void)state;
     FOR_EACH_MODEL(options)
     {
-        brdffit_result result;
+        struct brdffit_test_result result;
 
         options.sigma_min = 0.05;
         result = fit_and_free(&samples, &options);
@@ -113,7 +113,7 @@ static void test_all_directions_equal(void **state)
     samples.values = values;
     FOR_EACH_MODEL(options)
     {
-        brdffit_result result = fit_and_free(&samples, &options);
+        struct brdffit_test_result result = fit_and_free(&samples, &options);
 
         /* Every model is a constant: the mean remains. 1.4 is the largest value. */
         assert_true(fabs(result.e2 - 0.6 / (1.4 * 1.4)) <= 1e-14);
@@ -170,7 +170,7 @@ static void test_all_zero_and_all_negative(void **state)
         }
         FOR_EACH_MODEL(options)
         {
-            brdffit_result result = fit_and_free(&data.samples, &options);
+            struct brdffit_test_result result = fit_and_free(&data.samples, &options);
 
             assert_int_equal(result.certified, 1);
             assert_true(fabs(result.e2 - result.sum_of_squares) <= 1e-14 * result.sum_of_squares);
@@ -235,7 +235,7 @@ static void test_data_scaled(void **state)
     (void)state;
     FOR_EACH_MODEL(options)
     {
-        brdffit_result first[2];
+        struct brdffit_test_result first[2];
 
         for (j = 0; j < 3; j++) {
             struct brdffit_test_spec spec = brdffit_test_spec_default();
@@ -249,7 +249,7 @@ static void test_data_scaled(void **state)
             }
             for (n = 0; n < 2; n++) {
                 double unit = n ? scale[j] : 1.0;
-                brdffit_result result;
+                struct brdffit_test_result result;
 
                 options.normalise = n ? BRDFFIT_NORMALISE_NONE : BRDFFIT_NORMALISE_MAX;
                 result = fit_and_free(&data.samples, &options);

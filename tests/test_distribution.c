@@ -1,6 +1,6 @@
 /*
  * Every distribution of brdffit.h: its row of geometry and its lambda against textbook formulas on vectors, its own
- * truth recovered, its parameter and range. Every fit is judged by brdffit_verify(). SPDX-License-Identifier: MIT
+ * truth recovered, its parameter and range. Every fit is judged by brdffit_test_verify(). SPDX-License-Identifier: MIT
  */
 #include <math.h>
 #include <setjmp.h>
@@ -77,7 +77,7 @@ static void test_kernels(void **state)
 
 /* ---- recovery ----------------------------------------------------------------------------------------- */
 
-static double found(const brdffit_result *result, int lobe)
+static double found(const struct brdffit_test_result *result, int lobe)
 {
     return by_exponent(result->model.distribution) ? result->lobe[lobe].exponent : result->lobe[lobe].sigma;
 }
@@ -86,7 +86,7 @@ static void check_recovery(struct scene *s, brdffit_form form, const brdffit_opt
 {
     brdffit_samples samples = scene_samples(s, form);
     struct brdffit_test_fit fit;
-    const brdffit_result *r = &fit.result;
+    const struct brdffit_test_result *r = &fit.result;
     int p;
 
     brdffit_test_fit(&samples, options, &fit);
@@ -190,7 +190,7 @@ static void test_eval(void **state)
     {
         for (i = 0; i < 2000; i++) {
             double light[3], view[3], x = 0.2, y = 1.5, out, parameter = brdffit_test_log_uniform(&random, 0.03, 3.0);
-            brdffit_model model = {distribution, 1, 1, {parameter, 0.0}, &x, &y};
+            struct brdffit_test_model model = {distribution, 1, 1, {parameter, 0.0}, &x, &y};
             brdffit_samples at;
             long double lobe, exact, length;
 
@@ -209,7 +209,7 @@ static void test_eval(void **state)
             exact = 0.2L * light[2] / length / PI + 1.5L * lobe;
             zero += lobe == 0.0L;
             exact /= i % 2 ? 1.0L : light[2] / length;
-            assert_int_equal(brdffit_eval(&model, &at, &out, NULL), BRDFFIT_OK);
+            assert_int_equal(brdffit_test_eval(&model, &at, &out, NULL), BRDFFIT_OK);
             if (!(fabsl(out - exact) <= 1e-12L * exact)) {
                 fail_msg("%s: %.17g, exactly %.17Lg", brdffit_distribution_string(distribution), out, exact);
             }

@@ -1,6 +1,6 @@
 /*
  * Engine socp, whole fits: the same optimum as engine moment, with and without its shortcuts, and ECOS fed the worst.
- * Every fit is judged by brdffit_verify(). SPDX-License-Identifier: MIT
+ * Every fit is judged by brdffit_test_verify(). SPDX-License-Identifier: MIT
  */
 #include <math.h>
 #include <setjmp.h>
@@ -28,10 +28,10 @@ static brdffit_options options_of(int lobes, double gap)
 
 #ifndef BRDFFIT_NO_ECOS
 
-static brdffit_result fit_and_free(const brdffit_samples *samples, const brdffit_options *options)
+static struct brdffit_test_result fit_and_free(const brdffit_samples *samples, const brdffit_options *options)
 {
     struct brdffit_test_fit fit;
-    brdffit_result result;
+    struct brdffit_test_result result;
 
     brdffit_test_fit(samples, options, &fit);
     result = fit.result; /* its arrays are gone after the next line */
@@ -40,12 +40,12 @@ static brdffit_result fit_and_free(const brdffit_samples *samples, const brdffit
 }
 
 /* Boxes are counted once each: sent to ECOS, or decided without it. */
-static void check_counts(const brdffit_result *result, const brdffit_options *options)
+static void check_counts(const struct brdffit_test_result *result, const brdffit_options *options)
 {
     assert_int_equal(result->nodes, result->boxes);
-    assert_int_equal(result->socp_solved + result->socp_decided, result->boxes);
-    assert_true(result->socp_refused <= result->socp_solved);
-    assert_true(!options->socp_every_box || result->socp_decided == 0);
+    assert_int_equal(result->programs_solved + result->programs_decided, result->boxes);
+    assert_true(result->programs_refused <= result->programs_solved);
+    assert_true(!options->socp_every_box || result->programs_decided == 0);
 }
 
 /*
@@ -56,13 +56,13 @@ static int compare(const brdffit_samples *samples, const brdffit_options *asked)
 {
     double agree = asked->lobes == 1 ? 1e-6 : asked->relative_gap;
     brdffit_options options = *asked;
-    brdffit_result moment, socp;
+    struct brdffit_test_result moment, socp;
     int closed = 0;
 
     options.engine = BRDFFIT_ENGINE_MOMENT;
     options.relative_gap = 1e-6;
     moment = fit_and_free(samples, &options);
-    assert_int_equal(moment.socp_solved + moment.socp_refused + moment.socp_decided, 0);
+    assert_int_equal(moment.programs_solved + moment.programs_refused + moment.programs_decided, 0);
     options.engine = BRDFFIT_ENGINE_SOCP;
     options.relative_gap = asked->relative_gap;
     for (options.socp_every_box = 0; options.socp_every_box < 2; options.socp_every_box++) {
@@ -130,10 +130,10 @@ static void test_same_optimum_two_lobes(void **state)
 }
 
 /* Judged, counted, and open only where the budget says so. */
-static brdffit_result survives(const brdffit_samples *samples, const brdffit_options *asked)
+static struct brdffit_test_result survives(const brdffit_samples *samples, const brdffit_options *asked)
 {
     brdffit_options options = *asked;
-    brdffit_result result;
+    struct brdffit_test_result result;
 
     for (options.socp_every_box = 0; options.socp_every_box < 2; options.socp_every_box++) {
         result = fit_and_free(samples, &options);
@@ -158,7 +158,7 @@ static void test_columns_of_any_scale(void **state)
             struct brdffit_test_spec spec = brdffit_test_spec_default();
             brdffit_options options = options_of(lobes, 0.1);
             struct brdffit_test_data data;
-            brdffit_result result;
+            struct brdffit_test_result result;
 
             spec.form = BRDFFIT_FORM_COEFFICIENTS;
             spec.noise = 0.05;
@@ -191,7 +191,7 @@ static void test_zero_residual_and_zero_data(void **state)
             struct brdffit_test_spec spec = brdffit_test_spec_default();
             brdffit_options options = options_of(lobes, 1e-3);
             struct brdffit_test_data data;
-            brdffit_result result;
+            struct brdffit_test_result result;
 
             spec.lobes = lobes;
             options.distribution = spec.distribution = kind == 1 ? BRDFFIT_GGX : BRDFFIT_BECKMANN;
@@ -237,7 +237,7 @@ static void test_any_number_of_channels_and_samples(void **state)
                 struct brdffit_test_spec spec = brdffit_test_spec_default();
                 brdffit_options options = options_of(lobes, 0.1);
                 struct brdffit_test_data data;
-                brdffit_result result;
+                struct brdffit_test_result result;
 
                 if (count[i] > 1000 && k > 0) {
                     continue; /* 3 million values to draw and to judge show nothing more */
@@ -262,7 +262,7 @@ static void test_reproducible(void **state)
     struct brdffit_test_spec spec = brdffit_test_spec_default();
     brdffit_options options = options_of(2, 0.1);
     struct brdffit_test_data data;
-    brdffit_result first, second;
+    struct brdffit_test_result first, second;
 
     (void)state;
     spec.noise = 0.05;
@@ -272,7 +272,7 @@ static void test_reproducible(void **state)
     assert_memory_equal(&first.e2, &second.e2, sizeof first.e2);
     assert_memory_equal(&first.lower_bound, &second.lower_bound, sizeof first.lower_bound);
     assert_int_equal(first.boxes, second.boxes);
-    assert_int_equal(first.socp_solved, second.socp_solved);
+    assert_int_equal(first.programs_solved, second.programs_solved);
     brdffit_test_data_free(&data);
 }
 

@@ -85,9 +85,9 @@ static void back_to_tests(size_t mode)
 #define SAMPLES 84
 
 struct outcome {
-    brdffit_status fitted, inspected, evaluated, reproved;
-    brdffit_result result;
-    brdffit_reproof reproof;
+    brdffit_status fitted, inspected, evaluated, verified;
+    struct brdffit_test_result result;
+    brdffit_verification verification;
     double x[CHANNELS], y[CHANNELS * BRDFFIT_MAX_LOBES], scale[CHANNELS], rms[CHANNELS], table[SAMPLES * CHANNELS];
     size_t used, skipped[BRDFFIT_SKIP_COUNT], workspace;
 };
@@ -101,14 +101,15 @@ struct problem {
 
 static void run(const struct problem *p, size_t mode, double level, struct outcome *out)
 {
+    const brdffit_verification *verification;
     size_t lobes = (size_t)p->options.lobes;
 
     memset(out, 0, sizeof *out);
     leave_tests(mode);
     out->workspace = brdffit_workspace_size(SAMPLES, CHANNELS, &p->options);
-    out->inspected = brdffit_inspect(&p->data.samples, &p->options, &out->used, out->skipped, NULL);
-    out->fitted = brdffit_fit(&p->data.samples, &p->options, p->workspace, p->size, &out->result, NULL);
-    out->evaluated = brdffit_eval(&out->result.model, &p->data.samples, out->table, NULL);
+    out->inspected = brdffit_inspect(&p->data.samples, &p->options, &out->used, out->skipped, BRDFFIT_SKIP_COUNT, NULL);
+    out->fitted = brdffit_test_run(&p->data.samples, &p->options, p->workspace, p->size, &out->result, NULL);
+    out->evaluated = brdffit_test_eval(&out->result.model, &p->data.samples, out->table, NULL);
     back_to_tests(mode);
     if (out->fitted != BRDFFIT_OK) {
         fail_msg("environment %#x: the fit fails", modes[mode]);
@@ -120,13 +121,16 @@ static void run(const struct problem *p, size_t mode, double level, struct outco
     out->result.model.x = out->result.model.y = out->result.channel_scale = out->result.rms = NULL;
     if (level > 0.0) {
         leave_tests(mode);
-        out->reproved = brdffit_verify_socp(&p->data.samples, &p->options, level, p->workspace, p->size, &out->reproof,
-                                            NULL);
+        out->verified = brdffit_verify(&p->data.samples, &p->options, level, p->workspace, p->size, &verification,
+                                       NULL);
         back_to_tests(mode);
+        if (out->verified == BRDFFIT_OK) {
+            out->verification = *verification;
+        }
     }
 }
 
-static void compare(struct problem *p, int reprove)
+static void compare(struct problem *p, int verify)
 {
     struct outcome *first = malloc(sizeof *first), *other = malloc(sizeof *other);
     brdffit_options larger = p->options;
@@ -135,7 +139,7 @@ static void compare(struct problem *p, int reprove)
 
     assert_non_null(first);
     assert_non_null(other);
-    larger.engine = reprove ? BRDFFIT_ENGINE_SOCP : larger.engine;
+    larger.engine = verify ? BRDFFIT_ENGINE_SOCP : larger.engine;
     p->size = brdffit_workspace_size(SAMPLES, CHANNELS, &larger);
     if (p->size < brdffit_workspace_size(SAMPLES, CHANNELS, &p->options)) {
         p->size = brdffit_workspace_size(SAMPLES, CHANNELS, &p->options);
@@ -143,11 +147,11 @@ static void compare(struct problem *p, int reprove)
     p->workspace = malloc(p->size);
     assert_non_null(p->workspace);
     run(p, 0, 0.0, first);
-    if (reprove) {
+    if (verify) {
         level = 0.5 * first->result.lower_bound;
         run(p, 0, level, first);
-        assert_int_equal(first->reproved, BRDFFIT_OK);
-        assert_true(first->reproof.proven);
+        assert_int_equal(first->verified, BRDFFIT_OK);
+        assert_true(first->verification.proven);
     }
     for (mode = 0; mode < MODES; mode++) {
         run(p, mode, level, other);
@@ -253,7 +257,7 @@ static void test_reading(void **state)
 
     (void)state;
     assert_int_equal(brdffit_io_read_memory(text, sizeof text - 1, NULL, &first, NULL), BRDFFIT_OK);
-    assert_int_equal(first->samples.count, 3);
+    assert_int_equal(first->samples->count, 3);
     brdffit_io_protocol84(light[0], view[0]);
     for (mode = 0; mode < MODES; mode++) {
         brdffit_status status;
@@ -263,10 +267,10 @@ static void test_reading(void **state)
         brdffit_io_protocol84(light[1], view[1]);
         back_to_tests(mode);
         assert_int_equal(status, BRDFFIT_OK);
-        assert_memory_equal(first->samples.light, other->samples.light, 9 * sizeof(double));
-        assert_memory_equal(first->samples.view, other->samples.view, 9 * sizeof(double));
-        assert_memory_equal(first->samples.values, other->samples.values, 3 * sizeof(double));
-        assert_memory_equal(first->samples.weights, other->samples.weights, 3 * sizeof(double));
+        assert_memory_equal(first->samples->light, other->samples->light, 9 * sizeof(double));
+        assert_memory_equal(first->samples->view, other->samples->view, 9 * sizeof(double));
+        assert_memory_equal(first->samples->values, other->samples->values, 3 * sizeof(double));
+        assert_memory_equal(first->samples->weights, other->samples->weights, 3 * sizeof(double));
         assert_memory_equal(light[0], light[1], sizeof light[0]);
         assert_memory_equal(view[0], view[1], sizeof view[0]);
         brdffit_io_free(other);

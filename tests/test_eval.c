@@ -29,7 +29,7 @@ static void test_eval_agrees(void **state)
         brdffit_test_data_new(&spec, &data);
         brdffit_test_fit(&data.samples, NULL, &fit);
         assert_int_equal(fit.result.samples_used, 84);
-        assert_int_equal(brdffit_eval(&fit.result.model, &data.samples, out, NULL), BRDFFIT_OK);
+        assert_int_equal(brdffit_test_eval(&fit.result.model, &data.samples, out, NULL), BRDFFIT_OK);
         for (k = 0; k < 3; k++) {
             double sum = 0.0;
 
@@ -40,7 +40,7 @@ static void test_eval_agrees(void **state)
         }
         if (form != BRDFFIT_FORM_COEFFICIENTS) {
             data.samples.quantity = BRDFFIT_QUANTITY_BRDF;
-            assert_int_equal(brdffit_eval(&fit.result.model, &data.samples, brdf, NULL), BRDFFIT_OK);
+            assert_int_equal(brdffit_test_eval(&fit.result.model, &data.samples, brdf, NULL), BRDFFIT_OK);
             for (i = 0; i < 84 * 3; i++) {
                 assert_true(fabs(brdf[i] * data.samples.cos_light[i / 3] / out[i] - 1.0) <= 1e-14);
             }
@@ -56,7 +56,7 @@ static void test_eval_edges(void **state)
     static const double x[2] = {1.0, 2.0}, y[2] = {0.5, 0.25};
     static const double light[] = {0, 0, 1, 0, 0, -1, 1, 0, 0, 0, 0, 1}, view[] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 1, 0, -1};
     static const double weights[] = {0.0, NAN, -1.0, 0.0}, values[] = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
-    brdffit_model model = {BRDFFIT_BECKMANN, 1, 2, {0.5, 0.0}, x, y};
+    struct brdffit_test_model model = {BRDFFIT_BECKMANN, 1, 2, {0.5, 0.0}, x, y};
     double out[8], bad_light[12];
     brdffit_samples at;
     brdffit_error error;
@@ -69,7 +69,7 @@ static void test_eval_edges(void **state)
     at.view = view;
     at.weights = weights;
     at.values = values;
-    assert_int_equal(brdffit_eval(&model, &at, out, &error), BRDFFIT_OK);
+    assert_int_equal(brdffit_test_eval(&model, &at, out, &error), BRDFFIT_OK);
     /* Normal incidence, mirror: a = b = 1/pi, c = 0. */
     assert_true(fabs(out[0] * acos(-1.0) / (1.0 + 0.5 * 4.0) - 1.0) <= 1e-15);
     assert_true(fabs(out[1] * acos(-1.0) / (2.0 + 0.25 * 4.0) - 1.0) <= 1e-15);
@@ -79,11 +79,11 @@ static void test_eval_edges(void **state)
     memcpy(bad_light, light, sizeof light);
     bad_light[4] = NAN;
     at.light = bad_light;
-    assert_int_equal(brdffit_eval(&model, &at, out, &error), BRDFFIT_ERR_VALUE);
+    assert_int_equal(brdffit_test_eval(&model, &at, out, &error), BRDFFIT_ERR_VALUE);
     assert_int_equal(error.sample, 1);
-    assert_int_equal(brdffit_eval(NULL, &at, out, &error), BRDFFIT_ERR_ARGUMENT);
-    assert_int_equal(brdffit_eval(&model, NULL, out, &error), BRDFFIT_ERR_ARGUMENT);
-    assert_int_equal(brdffit_eval(&model, &at, NULL, &error), BRDFFIT_ERR_ARGUMENT);
+    assert_int_equal(brdffit_test_eval(NULL, &at, out, &error), BRDFFIT_ERR_ARGUMENT);
+    assert_int_equal(brdffit_test_eval(&model, NULL, out, &error), BRDFFIT_ERR_ARGUMENT);
+    assert_int_equal(brdffit_test_eval(&model, &at, NULL, &error), BRDFFIT_ERR_ARGUMENT);
 }
 
 int main(void)

@@ -1,6 +1,6 @@
 /*
  * Data that the model reproduces exactly: roughness to 1e-9, RMS at rounding level, whatever the scales; truths on
- * and beyond the ends of the range. Every fit is judged by brdffit_verify(). SPDX-License-Identifier: MIT
+ * and beyond the ends of the range. Every fit is judged by brdffit_test_verify(). SPDX-License-Identifier: MIT
  */
 #include <math.h>
 #include <setjmp.h>
@@ -18,10 +18,10 @@
         for ((options).distribution = BRDFFIT_BECKMANN; (options).distribution <= BRDFFIT_GGX;                         \
              (options).distribution = (brdffit_distribution)((options).distribution + 1))
 
-static brdffit_result fit_and_free(const brdffit_samples *samples, const brdffit_options *options)
+static struct brdffit_test_result fit_and_free(const brdffit_samples *samples, const brdffit_options *options)
 {
     struct brdffit_test_fit fit;
-    brdffit_result result;
+    struct brdffit_test_result result;
 
     brdffit_test_fit(samples, options, &fit);
     result = fit.result; /* its arrays are gone after the next line */
@@ -75,7 +75,7 @@ static void test_exact_one_lobe(void **state)
         FOR_EACH_MODEL(options)
         {
             brdffit_samples samples = exact_samples(&e, options.distribution == BRDFFIT_GGX, exact_sigma + j, 1);
-            brdffit_result result = fit_and_free(&samples, &options);
+            struct brdffit_test_result result = fit_and_free(&samples, &options);
 
             assert_int_equal(result.certified, 1);
             assert_true(result.rms_total <= 1e-15);
@@ -100,7 +100,7 @@ static void test_exact_two_lobes(void **state)
             FOR_EACH_MODEL(options)
             {
                 brdffit_samples samples = exact_samples(&e, options.distribution == BRDFFIT_GGX, sigma, 2);
-                brdffit_result result;
+                struct brdffit_test_result result;
 
                 if (options.lobes == 1) {
                     continue;
@@ -128,7 +128,7 @@ static void test_exact_directions(void **state)
         {
             struct brdffit_test_spec spec = brdffit_test_spec_default();
             struct brdffit_test_data data;
-            brdffit_result result;
+            struct brdffit_test_result result;
             int normals = i % 2 == 1;
 
             spec.layout = normals ? BRDFFIT_TEST_RANDOM : BRDFFIT_TEST_IN_PLANE;
@@ -168,7 +168,7 @@ static void test_sigma_at_the_ends(void **state)
         for (which = 0; which < 4; which++) {
             double truth[2] = {which == 0 ? 0.05 : which == 1 ? 0.5 : which == 2 ? 0.03 : 0.8, 0.5};
             brdffit_samples samples;
-            brdffit_result result;
+            struct brdffit_test_result result;
 
             if (options.lobes == 2) {
                 truth[0] = which < 2 ? 0.05 : 0.03;
@@ -206,7 +206,7 @@ static void test_any_limit(void **state)
         {
             double limit = brdffit_test_log_uniform(&random, 0.01, 0.1), truth[2] = {0.5 * limit, 20.0 * limit};
             brdffit_samples samples = exact_samples(&e, options.distribution == BRDFFIT_GGX, truth, 2);
-            brdffit_result result;
+            struct brdffit_test_result result;
 
             options.sigma_min = limit;
             options.sigma_max = 10.0 * limit;
@@ -229,7 +229,7 @@ static void test_sigma_fixed(void **state)
     {
         static const double truth[1] = {0.2};
         brdffit_samples samples = exact_samples(&e, options.distribution == BRDFFIT_GGX, truth, 1);
-        brdffit_result result;
+        struct brdffit_test_result result;
 
         options.sigma_min = options.sigma_max = 0.3;
         result = fit_and_free(&samples, &options);
@@ -254,7 +254,7 @@ static void test_coefficients_scaled(void **state)
             {
                 static const double sigma[2] = {0.1, 0.5};
                 brdffit_samples samples = exact_samples(&e, options.distribution == BRDFFIT_GGX, sigma, options.lobes);
-                brdffit_result result;
+                struct brdffit_test_result result;
 
                 for (i = 0; i < EXACT_COUNT; i++) {
                     e.a[i] *= scale[ja];
@@ -282,7 +282,7 @@ static void test_zero_columns(void **state)
         {
             struct exact e;
             brdffit_samples samples = exact_samples(&e, options.distribution == BRDFFIT_GGX, sigma, options.lobes);
-            brdffit_result result;
+            struct brdffit_test_result result;
 
             if (which & 1) {
                 memset(e.a, 0, sizeof e.a);

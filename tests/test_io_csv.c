@@ -19,7 +19,7 @@ static void assert_vector(const double *v, double x, double y, double z)
 static void test_angles(void **state)
 {
     brdffit_table *table = io_good("theta_i,phi_i,theta_o,phi_o,r,g,b\n0,0,60,180,1,2,3\n60,90,30,-90,4,5,6.5\n");
-    const brdffit_samples *s = &table->samples;
+    const brdffit_samples *s = table->samples;
 
     (void)state;
     assert_int_equal(s->struct_size, sizeof *s);
@@ -55,9 +55,9 @@ static void test_angles_in_plane(void **state)
     brdffit_table *table = io_good("theta_o_deg,mwir,theta_i\n60,7,30\n");
 
     (void)state;
-    assert_vector(table->samples.light, 0.5, 0, RIGHT_ROOT);
-    assert_vector(table->samples.view, -RIGHT_ROOT, 0, 0.5);
-    assert_same(table->samples.values[0], 7);
+    assert_vector(table->samples->light, 0.5, 0, RIGHT_ROOT);
+    assert_vector(table->samples->view, -RIGHT_ROOT, 0, 0.5);
+    assert_same(table->samples->values[0], 7);
     assert_string_equal(table->channel_names[0], "mwir");
     brdffit_io_free(table);
 }
@@ -68,16 +68,16 @@ static void test_angles_range(void **state)
     brdffit_table *table = io_good("theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,x\n90,36090,180,-1e300,1\n");
 
     (void)state;
-    assert_vector(table->samples.light, 0, 1, 0);
-    assert_same(table->samples.view[2], -1);
-    assert_int_equal(table->samples.count, 1);
+    assert_vector(table->samples->light, 0, 1, 0);
+    assert_same(table->samples->view[2], -1);
+    assert_int_equal(table->samples->count, 1);
     brdffit_io_free(table);
 }
 
 static void test_vectors(void **state)
 {
     brdffit_table *table = io_good("lx,ly,lz,vx,vy,vz,a,b,c\n1,2,3,-4,5,1e-300,7,8,9\n");
-    const brdffit_samples *s = &table->samples;
+    const brdffit_samples *s = table->samples;
 
     (void)state;
     assert_int_equal(s->form, BRDFFIT_FORM_DIRECTIONS);
@@ -90,16 +90,16 @@ static void test_vectors(void **state)
     brdffit_io_free(table);
 
     table = io_good("nz;ny;nx;lx;ly;lz;vx;vy;vz;Y\n1;0.5;-0.5;0;0;1;0;1;0;-3\n");
-    assert_vector(table->samples.normal, -0.5, 0.5, 1);
+    assert_vector(table->samples->normal, -0.5, 0.5, 1);
     assert_int_equal(table->negative, 1);
-    assert_same(table->samples.values[0], -3);
+    assert_same(table->samples->values[0], -3);
     brdffit_io_free(table);
 }
 
 static void test_coefficients(void **state)
 {
     brdffit_table *table = io_good("a\tb\tc\tred\tw\n0.25\t0\t1e3\t-1\t2\n1\t1\t0\t1\t0\n");
-    const brdffit_samples *s = &table->samples;
+    const brdffit_samples *s = table->samples;
 
     (void)state;
     assert_int_equal(s->form, BRDFFIT_FORM_COEFFICIENTS);
@@ -127,14 +127,14 @@ static void test_quantity(void **state)
     brdffit_io_options_init(&options);
     options.quantity = BRDFFIT_QUANTITY_RADIANCE; /* not set: no effect */
     assert_int_equal(io_text(angles, &options, &table, &error), BRDFFIT_OK);
-    assert_int_equal(table->samples.quantity, BRDFFIT_QUANTITY_BRDF);
+    assert_int_equal(table->samples->quantity, BRDFFIT_QUANTITY_BRDF);
     brdffit_io_free(table);
     options.quantity_set = 1;
     assert_int_equal(io_text(angles, &options, &table, &error), BRDFFIT_OK);
-    assert_int_equal(table->samples.quantity, BRDFFIT_QUANTITY_RADIANCE);
+    assert_int_equal(table->samples->quantity, BRDFFIT_QUANTITY_RADIANCE);
     brdffit_io_free(table);
     assert_int_equal(io_text(coefficients, &options, &table, &error), BRDFFIT_OK);
-    assert_int_equal(table->samples.quantity, BRDFFIT_QUANTITY_RADIANCE);
+    assert_int_equal(table->samples->quantity, BRDFFIT_QUANTITY_RADIANCE);
     brdffit_io_free(table);
     options.quantity = BRDFFIT_QUANTITY_BRDF;
     status = io_text(coefficients, &options, &table, &error);
@@ -163,7 +163,7 @@ static void test_dresses(void **state)
     (void)state;
     for (i = 0; i < sizeof text / sizeof *text; i++) {
         brdffit_table *table = io_good(text[i]);
-        const brdffit_samples *s = &table->samples;
+        const brdffit_samples *s = table->samples;
 
         assert_int_equal(s->count, 2);
         assert_int_equal(s->channels, 1);
@@ -185,7 +185,7 @@ static void test_lines_are_the_files(void **state)
     brdffit_table *table = io_good("# 1\n# 2\ntheta_i,theta_o,r\n\n1,1,1\r\n# 6\n\n1,1,\n2,2,2\n");
 
     (void)state;
-    assert_int_equal(table->samples.count, 2);
+    assert_int_equal(table->samples->count, 2);
     assert_int_equal(table->lines[0], 5);
     assert_int_equal(table->lines[1], 9);
     assert_int_equal(table->rows, 3);
@@ -198,7 +198,7 @@ static void test_channel_names(void **state)
                                    "1;2;3;4;5;6\n");
 
     (void)state;
-    assert_int_equal(table->samples.channels, 4);
+    assert_int_equal(table->samples->channels, 4);
     assert_string_equal(table->channel_names[0], "I(0,5) \"x\"; y");
     assert_string_equal(table->channel_names[1], "\xce\xbb 550 nm");
     assert_string_equal(table->channel_names[2], "R");
@@ -212,14 +212,14 @@ static void test_absent_and_negative(void **state)
                                    "1,1, ,\"\"\n1,1,-5,6\n1,1,-7,\n");
 
     (void)state;
-    assert_int_equal(table->samples.count, 3);
+    assert_int_equal(table->samples->count, 3);
     assert_int_equal(table->rows, 7);
     assert_int_equal(table->dropped[BRDFFIT_IO_DROP_ABSENT], 4);
     assert_int_equal(table->dropped[BRDFFIT_IO_DROP_MASKED], 0);
     assert_int_equal(table->dropped[BRDFFIT_IO_DROP_BELOW_HORIZON], 0);
     assert_int_equal(table->negative, 2); /* samples, and only those that were kept */
-    assert_same(table->samples.values[2], -1);
-    assert_same(table->samples.values[5], 6);
+    assert_same(table->samples->values[2], -1);
+    assert_same(table->samples->values[5], 6);
     assert_int_equal(table->lines[2], 7);
     brdffit_io_free(table);
 }
@@ -245,11 +245,11 @@ static void test_many(void **state)
         }
     }
     table = io_good(text);
-    assert_int_equal(table->samples.count, rows);
+    assert_int_equal(table->samples->count, rows);
     for (i = 0; i < rows; i++) {
         assert_int_equal(table->lines[i], i + 2);
         for (k = 0; k < columns; k++) {
-            assert_same(table->samples.values[i * columns + k], i / 7.0 + k);
+            assert_same(table->samples->values[i * columns + k], i / 7.0 + k);
         }
     }
     assert_string_equal(table->channel_names[39], "lambda39");
@@ -305,8 +305,8 @@ static void test_locale(void **state)
     }
     assert_true(strtod("0.5", NULL) == 0.0); /* this is what the file must not suffer from */
     table = io_good("theta_i,theta_o,r,g\n1.5,2.5,0.5,0.12345678901234567890\n");
-    assert_same(table->samples.values[0], 0.5);
-    assert_same(table->samples.values[1], 0.12345678901234567890);
+    assert_same(table->samples->values[0], 0.5);
+    assert_same(table->samples->values[1], 0.12345678901234567890);
     assert_int_equal(localeconv()->decimal_point[0], ',');
     brdffit_io_free(table);
     (void)setlocale(LC_ALL, "C");
@@ -326,7 +326,7 @@ static void test_unterminated_memory(void **state)
     assert_non_null(copy);
     memcpy(copy, text, size);
     assert_int_equal(brdffit_io_read_memory(copy, size, NULL, &table, &error), BRDFFIT_OK);
-    assert_same(table->samples.values[0], 0.12345678901234567890);
+    assert_same(table->samples->values[0], 0.12345678901234567890);
     brdffit_io_free(table);
     free(copy);
 }

@@ -64,7 +64,7 @@ static void test_text_file(void **state)
     put("anything.binary", text, sizeof text - 1); /* the name says nothing */
     assert_int_equal(brdffit_io_read(path, NULL, &table, &error), BRDFFIT_OK);
     assert_int_equal(table->format, BRDFFIT_IO_FORMAT_CSV);
-    assert_int_equal(table->samples.count, 2);
+    assert_int_equal(table->samples->count, 2);
     assert_int_equal(table->compressed, 0);
     brdffit_io_free(table);
     assert_int_equal(unlink(path), 0);
@@ -226,15 +226,15 @@ static void test_standard_input(void **state)
 
     (void)state;
     assert_int_equal(read_pipe((const unsigned char *)text, sizeof text - 1, &table, &error), BRDFFIT_OK);
-    assert_int_equal(table->samples.count, 2);
+    assert_int_equal(table->samples->count, 2);
     brdffit_io_free(table);
     assert_int_equal(read_pipe(merl.data, merl.size, &table, &error), BRDFFIT_OK);
     assert_int_equal(table->rows, 36000);
     packed = io_gzip(merl.data, merl.size, &size);
     assert_int_equal(read_pipe(packed, size, &same, &error), BRDFFIT_OK);
     assert_int_equal(same->compressed, 1);
-    assert_int_equal(same->samples.count, table->samples.count);
-    assert_memory_equal(same->samples.values, table->samples.values, 24 * table->samples.count);
+    assert_int_equal(same->samples->count, table->samples->count);
+    assert_memory_equal(same->samples->values, table->samples->values, 24 * table->samples->count);
     brdffit_io_free(table);
     brdffit_io_free(same);
     assert_int_equal(read_pipe(merl.data, 0, &table, &error), BRDFFIT_ERR_FORMAT);
@@ -261,7 +261,7 @@ static void test_named_pipe(void **state)
         _exit(write(end, text, sizeof text - 1) == (ssize_t)sizeof text - 1 ? 0 : 1);
     }
     assert_int_equal(brdffit_io_read(path, NULL, &table, &error), BRDFFIT_OK);
-    assert_int_equal(table->samples.count, 2);
+    assert_int_equal(table->samples->count, 2);
     brdffit_io_free(table);
     assert_int_equal(waitpid(child, &told, 0), child);
     assert_int_equal(told, 0);

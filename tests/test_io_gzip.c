@@ -42,9 +42,9 @@ static void test_round_trip(void **state)
     assert_int_equal(brdffit_io_read_memory(gz, size, NULL, &packed, &error), BRDFFIT_OK);
     assert_int_equal(plain->compressed, 0);
     assert_int_equal(packed->compressed, 1);
-    assert_int_equal(packed->samples.count, plain->samples.count);
-    assert_memory_equal(packed->samples.values, plain->samples.values, 24 * plain->samples.count);
-    assert_memory_equal(packed->samples.tan2_half, plain->samples.tan2_half, 8 * plain->samples.count);
+    assert_int_equal(packed->samples->count, plain->samples->count);
+    assert_memory_equal(packed->samples->values, plain->samples->values, 24 * plain->samples->count);
+    assert_memory_equal(packed->samples->tan2_half, plain->samples->tan2_half, 8 * plain->samples->count);
     brdffit_io_free(packed);
     brdffit_io_options_init(&options);
     options.format = BRDFFIT_IO_FORMAT_MERL;
@@ -105,7 +105,7 @@ static void test_members(void **state)
     second = io_gzip(text + 20, sizeof text - 1 - 20, &b);
     both = join(first, a, second, b);
     assert_int_equal(brdffit_io_read_memory(both, a + b, NULL, &table, &error), BRDFFIT_OK);
-    assert_int_equal(table->samples.count, 2);
+    assert_int_equal(table->samples->count, 2);
     brdffit_io_free(table);
     refuse(both, a + b - 1, BRDFFIT_ERR_READ, "truncated");
     refuse(both, a + 5, BRDFFIT_ERR_READ, "truncated");
@@ -150,8 +150,8 @@ static void test_damaged(void **state)
         status = brdffit_io_read_memory(gz, size, NULL, &table, &error);
         if (status == BRDFFIT_OK) {
             assert_int_equal(i / 8, size - 9);
-            assert_int_equal(table->samples.count, 2);
-            assert_same(table->samples.values[1], 2);
+            assert_int_equal(table->samples->count, 2);
+            assert_same(table->samples->values[1], 2);
         } else {
             assert_int_equal(status, BRDFFIT_ERR_READ);
             assert_null(table);

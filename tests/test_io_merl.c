@@ -66,7 +66,7 @@ static void check_whole(int32_t n_h, int32_t n_d, int32_t n_p, brdffit_io_merl_b
     brdffit_io_options_init(&options);
     options.merl_bins = bins;
     table = read_good(&merl, &options);
-    s = &table->samples;
+    s = table->samples;
     for (h = 0; h < table->dims[0]; h++) {
         double row = NAN; /* tan^2 of this theta_h: the same bits in every cell */
 
@@ -119,7 +119,7 @@ static void test_what_it_says(void **state)
 {
     struct io_merl merl = io_merl_new(4, 3, 6);
     brdffit_table *table = read_good(&merl, NULL);
-    const brdffit_samples *s = &table->samples;
+    const brdffit_samples *s = table->samples;
     brdffit_io_options options;
 
     (void)state;
@@ -152,7 +152,7 @@ static void test_what_it_says(void **state)
     options.quantity = BRDFFIT_QUANTITY_RADIANCE;
     options.format = BRDFFIT_IO_FORMAT_MERL;
     table = read_good(&merl, &options);
-    assert_int_equal(table->samples.quantity, BRDFFIT_QUANTITY_RADIANCE);
+    assert_int_equal(table->samples->quantity, BRDFFIT_QUANTITY_RADIANCE);
     brdffit_io_free(table);
     free(merl.data);
 }
@@ -165,8 +165,8 @@ static void test_exactly_on_the_horizon(void **state)
     size_t i;
 
     (void)state;
-    for (i = 0; i < table->samples.count; i++) {
-        assert_true(table->samples.cos_light[i] > 1e-3 && table->samples.cos_view[i] > 1e-3);
+    for (i = 0; i < table->samples->count; i++) {
+        assert_true(table->samples->cos_light[i] > 1e-3 && table->samples->cos_view[i] > 1e-3);
     }
     /* Below or on: theta_h = 10 with theta_d = 80, 85; 40 with 50 ... 85: 2 + 8, at phi_d = 0 alone. */
     assert_int_equal(table->dropped[BRDFFIT_IO_DROP_BELOW_HORIZON], 10);
@@ -191,9 +191,9 @@ static void test_masked(void **state)
     table = read_good(&merl, NULL);
     assert_int_equal(table->dropped[BRDFFIT_IO_DROP_MASKED], 3);
     assert_int_equal(table->dropped[BRDFFIT_IO_DROP_BELOW_HORIZON], 10);
-    assert_int_equal(table->samples.count, merl.cells - 13);
-    assert_same(table->samples.values[0], 0.0); /* the fourth cell comes first now */
-    assert_same(table->samples.values[1], 10004 * (1.15 / 1500.0));
+    assert_int_equal(table->samples->count, merl.cells - 13);
+    assert_same(table->samples->values[0], 0.0); /* the fourth cell comes first now */
+    assert_same(table->samples->values[1], 10004 * (1.15 / 1500.0));
     brdffit_io_free(table);
     free(merl.data);
 }

@@ -145,21 +145,21 @@ static void test_random_directions(void **state)
         }
         samples = samples_of(&list);
         table = look_up(&merl, &samples);
-        assert_int_equal(table->samples.count, list.count);
+        assert_int_equal(table->samples->count, list.count);
         for (i = 0, decided = 0; i < list.count; i++) {
             size_t cell;
 
             if (exact_cell(dims[t], list.light + 3 * i, list.view + 3 * i, &cell)) {
-                assert_int_equal(cell_of(table->samples.values[3 * i]), cell);
-                assert_same(table->samples.values[3 * i + 1], (double)(10001 + cell) * (1.15 / 1500.0));
-                assert_same(table->samples.values[3 * i + 2], (double)(20001 + cell) * (1.66 / 1500.0));
+                assert_int_equal(cell_of(table->samples->values[3 * i]), cell);
+                assert_same(table->samples->values[3 * i + 1], (double)(10001 + cell) * (1.15 / 1500.0));
+                assert_same(table->samples->values[3 * i + 2], (double)(20001 + cell) * (1.66 / 1500.0));
                 decided++;
             }
         }
         assert_true(decided > list.count - 20);
-        assert_memory_equal(table->samples.light, list.light, 3 * list.count * sizeof(double)); /* as requested */
-        assert_memory_equal(table->samples.view, list.view, 3 * list.count * sizeof(double));
-        assert_null(table->samples.normal);
+        assert_memory_equal(table->samples->light, list.light, 3 * list.count * sizeof(double)); /* as requested */
+        assert_memory_equal(table->samples->view, list.view, 3 * list.count * sizeof(double));
+        assert_null(table->samples->normal);
         assert_int_equal(table->merl_sampling, BRDFFIT_IO_MERL_DIRECTIONS);
         assert_int_equal(table->rows, merl.cells);
         brdffit_io_free(table);
@@ -203,7 +203,7 @@ static void test_aimed_at_edges(void **state)
     samples = samples_of(&list);
     table = look_up(&merl, &samples);
     for (i = 0; i < list.count; i++) {
-        assert_int_equal(cell_of(table->samples.values[3 * i]), wanted[i]);
+        assert_int_equal(cell_of(table->samples->values[3 * i]), wanted[i]);
     }
     brdffit_io_free(table);
     free(merl.data);
@@ -233,9 +233,9 @@ static void test_degenerate_angles(void **state)
     }
     samples = samples_of(&list);
     table = look_up(&merl, &samples);
-    assert_int_equal(table->samples.count, list.count);
+    assert_int_equal(table->samples->count, list.count);
     for (i = 0; i < list.count; i++) {
-        size_t cell = cell_of(table->samples.values[3 * i]);
+        size_t cell = cell_of(table->samples->values[3 * i]);
 
         if (i % 2) {
             assert_int_equal(cell % (90 * 180), 0);
@@ -262,11 +262,11 @@ static void test_protocol(void **state)
 
     (void)state;
     brdffit_io_protocol84(light, view);
-    assert_int_equal(table->samples.count, 84);
-    assert_int_equal(table->samples.form, BRDFFIT_FORM_DIRECTIONS);
+    assert_int_equal(table->samples->count, 84);
+    assert_int_equal(table->samples->form, BRDFFIT_FORM_DIRECTIONS);
     assert_int_equal(table->merl_sampling, BRDFFIT_IO_MERL_PROTOCOL84);
-    assert_memory_equal(table->samples.light, light, sizeof light);
-    assert_memory_equal(table->samples.view, view, sizeof view);
+    assert_memory_equal(table->samples->light, light, sizeof light);
+    assert_memory_equal(table->samples->view, view, sizeof view);
     for (i = 0; i < 84; i++) {
         long double at = PI_L / 180 * 20 * (long double)(i / 21), from = PI_L / 180 * 10 * (long double)(i / 3 % 7);
         long double azimuth = PI_L / 2 * (long double)(i % 3);
@@ -278,18 +278,18 @@ static void test_protocol(void **state)
         assert_same(view[3 * i + 1], 0);
         io_assert_near(view[3 * i + 2], cosl(at), 2e-16);
         if (exact_cell(dims, light + 3 * i, view + 3 * i, &cell)) {
-            assert_int_equal(cell_of(table->samples.values[3 * i]), cell);
+            assert_int_equal(cell_of(table->samples->values[3 * i]), cell);
             decided++;
         }
     }
     assert_true(decided > 10);
     /* By hand: light 20, view 20, azimuth 0: theta_h 20 -> floor(90 sqrt(2/9)) = 42, theta_d 0. */
-    assert_int_equal(cell_of(table->samples.values[3 * (21 + 6)]), 42 * 90 * 180);
+    assert_int_equal(cell_of(table->samples->values[3 * (21 + 6)]), 42 * 90 * 180);
     /* Opposite, azimuth 180: theta_h 0, theta_d 20, phi_d 180 = 0. */
-    assert_int_equal(cell_of(table->samples.values[3 * (21 + 8)]), 20 * 180);
+    assert_int_equal(cell_of(table->samples->values[3 * (21 + 8)]), 20 * 180);
     /* Light 60, view 0, azimuth 0: theta_h 30 -> floor(51.96), theta_d 30, phi_d 0; azimuth 180: phi_d 0 as well. */
-    assert_int_equal(cell_of(table->samples.values[3 * 18]), 180 * (30 + 90 * 51));
-    assert_int_equal(cell_of(table->samples.values[3 * 20]), 180 * (30 + 90 * 51));
+    assert_int_equal(cell_of(table->samples->values[3 * 18]), 180 * (30 + 90 * 51));
+    assert_int_equal(cell_of(table->samples->values[3 * 20]), 180 * (30 + 90 * 51));
     brdffit_io_free(table);
     free(merl.data);
 }
@@ -330,17 +330,17 @@ static void test_normals(void **state)
     other.weights = turned.weights;
     table = look_up(&merl, &samples);
     same = look_up(&merl, &other);
-    assert_int_equal(same->samples.count, flat.count);
+    assert_int_equal(same->samples->count, flat.count);
     for (i = 0; i < flat.count; i++) {
         if (exact_cell(dims, flat.light + 3 * i, flat.view + 3 * i, &cell)) {
-            assert_same(table->samples.values[3 * i], same->samples.values[3 * i]);
-            assert_int_equal(cell_of(same->samples.values[3 * i]), cell);
+            assert_same(table->samples->values[3 * i], same->samples->values[3 * i]);
+            assert_int_equal(cell_of(same->samples->values[3 * i]), cell);
             decided++;
         }
     }
     assert_true(decided > flat.count - 20);
-    assert_memory_equal(same->samples.normal, turned.normal, 3 * flat.count * sizeof(double));
-    assert_memory_equal(same->samples.weights, turned.weights, flat.count * sizeof(double));
+    assert_memory_equal(same->samples->normal, turned.normal, 3 * flat.count * sizeof(double));
+    assert_memory_equal(same->samples->weights, turned.weights, flat.count * sizeof(double));
     brdffit_io_free(table);
     brdffit_io_free(same);
     free(merl.data);
@@ -362,10 +362,10 @@ static void test_odd_lengths(void **state)
     samples.view = view;
     samples.normal = normal;
     table = look_up(&merl, &samples);
-    assert_int_equal(table->samples.count, 3);
-    assert_int_equal(cell_of(table->samples.values[0]), 0);
-    assert_int_equal(cell_of(table->samples.values[3]) / 180, 36); /* theta_h 0, theta_d 36.87 */
-    assert_int_equal(cell_of(table->samples.values[6]) / 180, 45);
+    assert_int_equal(table->samples->count, 3);
+    assert_int_equal(cell_of(table->samples->values[0]), 0);
+    assert_int_equal(cell_of(table->samples->values[3]) / 180, 36); /* theta_h 0, theta_d 36.87 */
+    assert_int_equal(cell_of(table->samples->values[6]) / 180, 45);
     brdffit_io_free(table);
     free(merl.data);
 }
@@ -393,10 +393,10 @@ static void test_dropped(void **state)
     options.merl_sampling = BRDFFIT_IO_MERL_DIRECTIONS;
     options.directions = &samples;
     table = look_up(&merl, &samples);
-    assert_int_equal(table->samples.count, 1);
+    assert_int_equal(table->samples->count, 1);
     assert_int_equal(table->dropped[BRDFFIT_IO_DROP_BELOW_HORIZON], 3);
     assert_int_equal(table->dropped[BRDFFIT_IO_DROP_MASKED], 1);
-    assert_memory_equal(table->samples.light, light + 12, 3 * sizeof(double));
+    assert_memory_equal(table->samples->light, light + 12, 3 * sizeof(double));
     brdffit_io_free(table);
     for (k = 0; k < 3; k++) { /* a negative entry in any one channel masks */
         io_put(&merl, 1, 0, 1.0);

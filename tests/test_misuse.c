@@ -121,14 +121,14 @@ static void test_any_length(void **state)
 {
     static const double length[] = {1e-308, 1e-200, 3.0, 1e200, 1e308};
     struct problem p;
-    brdffit_result first;
+    struct brdffit_test_result first;
     size_t i, j;
 
     (void)state;
     problem_init(&p, BRDFFIT_FORM_DIRECTIONS);
     first = fit_and_free(&p.samples, NULL);
     for (j = 0; j < sizeof length / sizeof length[0]; j++) {
-        brdffit_result result;
+        struct brdffit_test_result result;
 
         problem_init(&p, BRDFFIT_FORM_DIRECTIONS);
         for (i = 0; i < 3 * COUNT; i++) {
@@ -158,7 +158,7 @@ static void test_skipped(void **state)
 {
     struct problem p;
     brdffit_options options;
-    brdffit_result result;
+    struct brdffit_test_result result;
 
     (void)state;
     problem_init(&p, BRDFFIT_FORM_DIRECTIONS);

@@ -70,7 +70,7 @@ struct figures {
 };
 
 /* What the norm makes of the residuals of the result's own coefficients, and of the data. */
-static struct figures figures_of(const brdffit_samples *s, brdffit_norm norm, const brdffit_result *r)
+static struct figures figures_of(const brdffit_samples *s, brdffit_norm norm, const struct brdffit_test_result *r)
 {
     struct figures f = {0.0L, 0.0L, 0.0L, 0.0L};
     size_t i, k;
@@ -100,7 +100,7 @@ static struct figures figures_of(const brdffit_samples *s, brdffit_norm norm, co
 }
 
 /* Every claim that does not need another fit. */
-static void judge(const brdffit_samples *s, const brdffit_options *o, const brdffit_result *r)
+static void judge(const brdffit_samples *s, const brdffit_options *o, const struct brdffit_test_result *r)
 {
     struct figures f = figures_of(s, o->norm, r);
     long double rms = sqrtl(f.squares / ((long double)s->channels * f.weights));
@@ -121,7 +121,7 @@ static void judge(const brdffit_samples *s, const brdffit_options *o, const brdf
         assert_true(r->gap <= (1.0 + 1e-9) * o->absolute_gap * r->sum_of_squares);
     }
     assert_true(r->certified == (r->stop == BRDFFIT_STOP_RELATIVE_GAP || r->stop == BRDFFIT_STOP_ABSOLUTE_GAP));
-    assert_true(r->socp_refused <= r->socp_solved && r->socp_decided <= r->boxes);
+    assert_true(r->programs_refused <= r->programs_solved && r->programs_decided <= r->boxes);
 }
 
 static void fit_and_judge(const brdffit_samples *samples, const brdffit_options *options, struct brdffit_test_fit *fit)
@@ -131,7 +131,7 @@ static void fit_and_judge(const brdffit_samples *samples, const brdffit_options 
     fit->workspace_size = brdffit_workspace_size(samples->count, samples->channels, options);
     fit->workspace = malloc(fit->workspace_size);
     assert_non_null(fit->workspace);
-    if (brdffit_fit(samples, options, fit->workspace, fit->workspace_size, &fit->result, &error) != BRDFFIT_OK) {
+    if (brdffit_test_run(samples, options, fit->workspace, fit->workspace_size, &fit->result, &error) != BRDFFIT_OK) {
         fail_msg("%s", error.message);
     }
     judge(samples, options, &fit->result);
@@ -302,7 +302,7 @@ static void test_budgets_and_shortcuts(void **state)
             fit_and_judge(&d.samples, &options, &fit);
             assert_true(fit.result.boxes <= options.box_budget);
             assert_true(fit.result.certified || fit.result.stop == BRDFFIT_STOP_BUDGET);
-            assert_true(!options.socp_every_box || fit.result.socp_decided == 0);
+            assert_true(!options.socp_every_box || fit.result.programs_decided == 0);
             if (fit.result.certified) {
                 best = fit.result.e2;
             }
@@ -355,7 +355,7 @@ static void test_distributions(void **state)
         struct brdffit_test_spec spec = brdffit_test_spec_default();
         brdffit_options options = options_of(distribution % 2 ? BRDFFIT_NORM_L1 : BRDFFIT_NORM_LINF, 1);
         struct brdffit_test_data data;
-        brdffit_result *result;
+        const brdffit_result *result;
 
         spec.distribution = options.distribution = (brdffit_distribution)distribution;
         spec.lobes = 1;
@@ -363,8 +363,8 @@ static void test_distributions(void **state)
         brdffit_test_data_new(&spec, &data);
         assert_int_equal(brdffit_fit_new(&data.samples, &options, &result, NULL), BRDFFIT_OK);
         assert_int_equal(result->certified, 1);
-        assert_true(fabs(result->model.sigma[0] - 0.2) <= 1e-9);
-        brdffit_fit_free(result);
+        assert_true(fabs(result->model->sigma[0] - 0.2) <= 1e-9);
+        brdffit_result_free(result);
         brdffit_test_data_free(&data);
     }
 }

@@ -160,7 +160,7 @@ static void test_fits(void **state)
     for (i = 0; i < 24; i++) {
         struct brdffit_test_data data;
         brdffit_options options;
-        brdffit_result result;
+        struct brdffit_test_result result;
         brdffit_error error;
         brdffit_sums *sums = NULL;
         size_t size, room;
@@ -187,9 +187,9 @@ static void test_fits(void **state)
         assert_int_equal(brdffit_sums_add(sums, &data.samples, &error), BRDFFIT_OK);
         room = brdffit_sums_workspace_size(sums, &options);
         workspace = malloc(room);
-        assert_int_equal(brdffit_fit_sums(sums, &options, workspace, room, &result, &error), BRDFFIT_OK);
+        assert_int_equal(brdffit_test_run_sums(sums, &options, workspace, room, &result, &error), BRDFFIT_OK);
         assert_true(result.e2_error > 0.0 && result.e2_error <= 1e-12 * result.sum_of_squares);
-        if (brdffit_verify(&data.samples, &options, &result, why, sizeof why)) {
+        if (brdffit_test_verify(&data.samples, &options, &result, why, sizeof why)) {
             brdffit_test_print(&data.samples, &options);
             fail_msg("fit %zu: %s", i, why);
         }
@@ -220,7 +220,7 @@ static void test_refusals(void **state)
     void *memory;
     brdffit_sums *sums, *other = NULL;
     brdffit_options options;
-    brdffit_result result;
+    struct brdffit_test_result result;
     brdffit_error error;
     size_t used, skipped[BRDFFIT_SKIP_COUNT], size = brdffit_sums_size(2, 4);
     char workspace[64];
@@ -231,7 +231,7 @@ static void test_refusals(void **state)
     p.samples.weights = p.weights;
     p.weights[3] = 2.0;
     sums = sums_of(&p, 4, 3, &memory);
-    brdffit_sums_count(sums, &used, skipped);
+    brdffit_sums_count(sums, &used, skipped, BRDFFIT_SKIP_COUNT);
     assert_int_equal(used + skipped[BRDFFIT_SKIP_ZERO_WEIGHT], 9);
     expect(sums, &p, &p.values[7], (double)NAN, BRDFFIT_ERR_VALUE, "not finite");
     expect(sums, &p, &p.values[7], -1e101, BRDFFIT_ERR_VALUE, "1e100");
@@ -244,16 +244,17 @@ static void test_refusals(void **state)
     p.c[2] = 8.0;
     expect(sums, &p, &p.c[3], 9.0, BRDFFIT_ERR_WORKSPACE, "distinct c");
     brdffit_options_init(&options);
-    assert_int_equal(brdffit_fit_sums(sums, &options, workspace, sizeof workspace, &result, &error),
+    assert_int_equal(brdffit_test_run_sums(sums, &options, workspace, sizeof workspace, &result, &error),
                      BRDFFIT_ERR_WORKSPACE);
     options.engine = BRDFFIT_ENGINE_SOCP;
-    assert_int_equal(brdffit_fit_sums(sums, &options, workspace, sizeof workspace, &result, &error),
+    assert_int_equal(brdffit_test_run_sums(sums, &options, workspace, sizeof workspace, &result, &error),
                      BRDFFIT_ERR_UNSUPPORTED);
     brdffit_options_init(&options);
     options.max_incidence = 50.0;
-    assert_int_equal(brdffit_fit_sums(sums, &options, workspace, sizeof workspace, &result, &error),
+    assert_int_equal(brdffit_test_run_sums(sums, &options, workspace, sizeof workspace, &result, &error),
                      BRDFFIT_ERR_OPTION);
-    assert_int_equal(brdffit_fit_sums(NULL, NULL, workspace, sizeof workspace, &result, &error), BRDFFIT_ERR_ARGUMENT);
+    assert_int_equal(brdffit_test_run_sums(NULL, NULL, workspace, sizeof workspace, &result, &error),
+                     BRDFFIT_ERR_ARGUMENT);
     assert_int_equal(brdffit_sums_init(memory, size - 1, 2, 4, NULL, &other, &error), BRDFFIT_ERR_WORKSPACE);
     assert_int_equal(brdffit_sums_init(NULL, size, 2, 4, NULL, &other, &error), BRDFFIT_ERR_ARGUMENT);
     options.norm = BRDFFIT_NORM_L1;

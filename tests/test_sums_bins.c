@@ -59,7 +59,7 @@ struct outcome {
     brdffit_sums *sums;
     void *memory, *workspace;
     size_t room;
-    brdffit_result result;
+    struct brdffit_test_result result;
 };
 
 static void add_all(struct outcome *o, const struct rig *r, size_t groups, int bits, const brdffit_options *options)
@@ -81,7 +81,7 @@ static void fit(struct outcome *o, const brdffit_options *options)
 {
     brdffit_error error = {0};
 
-    assert_int_equal(brdffit_fit_sums(o->sums, options, o->workspace, o->room, &o->result, &error), BRDFFIT_OK);
+    assert_int_equal(brdffit_test_run_sums(o->sums, options, o->workspace, o->room, &o->result, &error), BRDFFIT_OK);
 }
 
 static void outcome_free(struct outcome *o)
@@ -151,7 +151,8 @@ static long double best_channel(const struct rig *r, size_t k, double scale, con
     return best;
 }
 
-static long double best_at(const struct rig *r, const brdffit_result *result, const long double *s, int lobes)
+static long double best_at(const struct rig *r, const struct brdffit_test_result *result, const long double *s,
+                           int lobes)
 {
     long double sum = 0.0L;
     size_t k;
@@ -163,7 +164,7 @@ static long double best_at(const struct rig *r, const brdffit_result *result, co
 }
 
 /* lambda(s) of the distributions tried here, and s. */
-static long double lambda(const brdffit_result *result, int p, long double *s)
+static long double lambda(const struct brdffit_test_result *result, int p, long double *s)
 {
     *s = 1.0L / ((long double)result->model.sigma[p] * result->model.sigma[p]);
     if (result->model.distribution == BRDFFIT_BLINN_PHONG) {
@@ -174,7 +175,7 @@ static long double lambda(const brdffit_result *result, int p, long double *s)
 }
 
 /* E^2 of the samples at the result's model. */
-static long double at_result(const struct rig *r, const brdffit_result *result)
+static long double at_result(const struct rig *r, const struct brdffit_test_result *result)
 {
     long double sum = 0.0L;
     size_t i, k;
@@ -198,7 +199,7 @@ static long double at_result(const struct rig *r, const brdffit_result *result)
 }
 
 /* All that the result claims; half of the attacks on the bound are near the optimum. */
-static void check_claims(const struct rig *r, const brdffit_result *result, size_t attacks, uint64_t seed)
+static void check_claims(const struct rig *r, const struct brdffit_test_result *result, size_t attacks, uint64_t seed)
 {
     struct brdffit_test_random random = {seed};
     long double exact = at_result(r, result);
@@ -227,15 +228,15 @@ static void check_claims(const struct rig *r, const brdffit_result *result, size
 }
 
 /* Against brdffit_fit() on the samples. */
-static void check_samples(const struct rig *r, const brdffit_options *options, const brdffit_result *binned)
+static void check_samples(const struct rig *r, const brdffit_options *options, const struct brdffit_test_result *binned)
 {
     brdffit_error error = {0};
     size_t room = brdffit_workspace_size(r->count, CHANNELS, options);
     void *workspace = malloc(room);
-    brdffit_result exact;
+    struct brdffit_test_result exact;
 
     assert_non_null(workspace);
-    assert_int_equal(brdffit_fit(&r->samples, options, workspace, room, &exact, &error), BRDFFIT_OK);
+    assert_int_equal(brdffit_test_run(&r->samples, options, workspace, room, &exact, &error), BRDFFIT_OK);
     assert_true(binned->lower_bound <= exact.e2);
     assert_true(exact.lower_bound <= binned->e2 + binned->e2_error);
     free(workspace);
@@ -433,7 +434,7 @@ static void test_refusals(void **state)
     rig_new(&r, 500, 0.02, 0, 0.0, 4.0, 1);
     add_all(&o, &r, 600, 4, &options);
     options.box = ignore_box;
-    assert_int_equal(brdffit_fit_sums(o.sums, &options, o.workspace, o.room, &o.result, &error),
+    assert_int_equal(brdffit_test_run_sums(o.sums, &options, o.workspace, o.room, &o.result, &error),
                      BRDFFIT_ERR_UNSUPPORTED);
     outcome_free(&o);
     free(r.a);

@@ -18,7 +18,7 @@
 
 /* A result with arrays of its own, to be spoilt. */
 struct copy {
-    brdffit_result result;
+    struct brdffit_test_result result;
     double x[CHANNELS], y[2 * CHANNELS], scale[CHANNELS], rms[CHANNELS];
 };
 
@@ -28,7 +28,7 @@ struct fixture {
     struct copy right;
 };
 
-static void copy_from(struct copy *to, const brdffit_result *from)
+static void copy_from(struct copy *to, const struct brdffit_test_result *from)
 {
     size_t lobes = (size_t)from->model.lobes;
 
@@ -60,7 +60,7 @@ static void fixture_new(struct fixture *f, double noise)
 static int accepted(const struct fixture *f, const struct copy *copy)
 {
     char why[512];
-    int answer = brdffit_verify(&f->data.samples, &f->options, &copy->result, why, sizeof why);
+    int answer = brdffit_test_verify(&f->data.samples, &f->options, &copy->result, why, sizeof why);
 
     assert_int_equal(answer == 0, why[0] == '\0');
     return answer == 0;
@@ -144,7 +144,7 @@ static void test_wrong_certificate(void **state)
     struct brdffit_test_data data;
     struct brdffit_test_spec spec = brdffit_test_spec_default();
     brdffit_options narrow, wide;
-    brdffit_result result;
+    struct brdffit_test_result result;
     char why[512];
 
     (void)state;
@@ -159,7 +159,7 @@ static void test_wrong_certificate(void **state)
     result = one.result;
     result.lobe[0].warnings &= ~BRDFFIT_WARN_AT_LIMIT;
     result.lobe[1].warnings &= ~BRDFFIT_WARN_AT_LIMIT;
-    assert_int_equal(brdffit_verify(&data.samples, &wide, &result, why, sizeof why), 1);
+    assert_int_equal(brdffit_test_verify(&data.samples, &wide, &result, why, sizeof why), 1);
     assert_non_null(strstr(why, "lower_bound"));
     brdffit_test_fit_free(&one);
     brdffit_test_data_free(&data);
@@ -186,7 +186,7 @@ static void test_bound_is_attacked(void **state)
     assert_true(beside.result.e2 < best.result.e2 * (1.0 + 1e-6));
     beside.result.lobe[0].warnings = best.result.lobe[0].warnings;
     beside.result.sigma_floor = best.result.sigma_floor;
-    assert_int_equal(brdffit_verify(&data.samples, &whole, &beside.result, why, sizeof why), 1);
+    assert_int_equal(brdffit_test_verify(&data.samples, &whole, &beside.result, why, sizeof why), 1);
     assert_non_null(strstr(why, "lower_bound"));
     brdffit_test_fit_free(&best);
     brdffit_test_fit_free(&beside);

@@ -29,7 +29,7 @@ static int check_samples(struct verdict *v)
 
 static int check_model(struct verdict *v)
 {
-    const brdffit_model *model = &v->result->model;
+    const struct brdffit_test_model *model = &v->result->model;
     const brdffit_options *o = v->problem.options;
     size_t j, lobes = (size_t)o->lobes;
     double low = verify_lowest(o), high = verify_highest(o);
@@ -128,7 +128,7 @@ static void evaluate(struct verdict *v)
 static int check_objective(struct verdict *v)
 {
     const struct verify_problem *p = &v->problem;
-    const brdffit_result *r = v->result;
+    const struct brdffit_test_result *r = v->result;
     long double scale, minimised;
     size_t k;
 
@@ -192,7 +192,7 @@ static int check_kkt(struct verdict *v)
 
 static int check_certificate(struct verdict *v)
 {
-    const brdffit_result *r = v->result;
+    const struct brdffit_test_result *r = v->result;
     const brdffit_options *o = v->problem.options;
     long double e2 = r->e2 * (1.0L - 1e-12L) - FLAT_ABSOLUTE * r->sum_of_squares; /* taken again after the stop */
 
@@ -288,8 +288,9 @@ static int check_all(struct verdict *v, size_t attacks, unsigned long long seed)
     return failed;
 }
 
-int brdffit_verify_deep(const brdffit_samples *samples, const brdffit_options *options, const brdffit_result *result,
-                        size_t attacks, unsigned long long seed, char *why, size_t why_size)
+int brdffit_test_verify_deep(const brdffit_samples *samples, const brdffit_options *options,
+                             const struct brdffit_test_result *result, size_t attacks, unsigned long long seed,
+                             char *why, size_t why_size)
 {
     brdffit_options defaults;
     struct verdict v;
@@ -312,8 +313,8 @@ int brdffit_verify_deep(const brdffit_samples *samples, const brdffit_options *o
     return check_all(&v, attacks, seed);
 }
 
-int brdffit_verify(const brdffit_samples *samples, const brdffit_options *options, const brdffit_result *result,
-                   char *why, size_t why_size)
+int brdffit_test_verify(const brdffit_samples *samples, const brdffit_options *options,
+                        const struct brdffit_test_result *result, char *why, size_t why_size)
 {
-    return brdffit_verify_deep(samples, options, result, 0, 1, why, why_size);
+    return brdffit_test_verify_deep(samples, options, result, 0, 1, why, why_size);
 }

@@ -20,7 +20,7 @@
 #define FLAT_ABSOLUTE 1e-27L
 
 struct verdict {
-    const brdffit_result *result;
+    const struct brdffit_test_result *result;
     struct verify_problem problem;
     long double *claimed;              /* channels x (1 + lobes): coefficients, units that were minimised */
     long double *raw[2];               /* columns that the claimed y multiply */
@@ -139,7 +139,7 @@ static inline int check_flat(struct verdict *v, int j)
 
 static inline int check_lobes(struct verdict *v)
 {
-    const brdffit_model *model = &v->result->model;
+    const struct brdffit_test_model *model = &v->result->model;
     size_t k, lobes = (size_t)model->lobes, n;
     long double sum[2] = {0.0L, 0.0L}, all = 0.0L;
     int j;

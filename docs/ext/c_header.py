@@ -9,7 +9,7 @@ import re
 from .docstrings import inline
 
 _TITLE = re.compile(r"^/\* -{3,} (.*?) -+ \*/$")
-_GUARD = re.compile(r"^#(?:include|if|ifdef|ifndef|else|endif|define (?:\w+_H|BRDFFIT_API)\b)|^extern \"C\"|^}$")
+_GUARD = re.compile(r"^#(?:include|if|ifdef|ifndef|else|endif|define (?:\w+_H|BRDFFIT_API)\b)|^extern \"C\"|^}$|^struct \w+;$")
 
 
 def _tokens(text):

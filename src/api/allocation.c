@@ -3,42 +3,48 @@
  */
 #include <stdlib.h>
 
-#include "brdffit.h"
+#include "fit/fit.h"
+#include "fit/intake.h"
 #include "base/error.h"
-#include "model/geometry.h"
 
-/* The workspace follows the result in one block. */
-struct owned {
-    brdffit_result result;
-    unsigned char workspace[];
-};
-
-brdffit_status brdffit_fit_new(const brdffit_samples *samples, const brdffit_options *options, brdffit_result **result,
-                               brdffit_error *error)
+static struct handout *handout_of(const brdffit_result *result)
 {
-    struct owned *owned;
-    brdffit_status status;
+    return (struct handout *)((unsigned char *)result - offsetof(struct handout, result));
+}
+
+brdffit_status brdffit_fit_new(const brdffit_samples *samples, const brdffit_options *options,
+                               const brdffit_result **result, brdffit_error *error)
+{
+    brdffit_samples known;
+    brdffit_status status = brdffit_intake_samples(samples, &known, error);
+    void *block;
     size_t size;
 
-    if (!result || !samples || samples->struct_size != sizeof *samples) {
-        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples or result: NULL or of another version's size");
+    if (!result) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "result is NULL");
     }
     *result = NULL;
-    size = brdffit_workspace_size(samples->count, samples->channels ? samples->channels : 1, options);
-    owned = size <= (size_t)-1 - sizeof *owned ? malloc(sizeof *owned + size) : NULL;
-    if (!owned) {
-        return brdffit_fail(error, BRDFFIT_ERR_MEMORY, "no memory for the workspace");
-    }
-    status = brdffit_fit(samples, options, owned->workspace, size, &owned->result, error);
     if (status != BRDFFIT_OK) {
-        free(owned);
         return status;
     }
-    *result = &owned->result;
+    /* 0 for what brdffit_fit() explains better. */
+    size = brdffit_workspace_size(known.count, known.channels ? known.channels : 1, options);
+    block = malloc(size ? size : 1);
+    if (!block) {
+        return brdffit_fail(error, BRDFFIT_ERR_MEMORY, "no memory for the workspace");
+    }
+    status = brdffit_fit(samples, options, block, size, result, error);
+    if (status != BRDFFIT_OK) {
+        free(block);
+        return status;
+    }
+    handout_of(*result)->block = block;
     return BRDFFIT_OK;
 }
 
-void brdffit_fit_free(brdffit_result *result)
+void brdffit_result_free(const brdffit_result *result)
 {
-    free(result); /* first member of struct owned */
+    if (result) {
+        free(handout_of(result)->block);
+    }
 }

@@ -1,56 +1,89 @@
 /*
- * The public functions that compute, each in the default floating-point environment (environment.h) and nothing more:
- * the work is done by the function of the same call in fit.h. SPDX-License-Identifier: MIT
+ * The public functions that compute, each with the caller's structures taken in as this version knows them (intake.h),
+ * in the default floating-point environment (environment.h), and nothing more: the work is done by the function of the
+ * same call in fit.h, sums.h or batch.h. SPDX-License-Identifier: MIT
  */
 #include "base/environment.h"
+#include "base/intake.h"
 #include "fit/fit.h"
+#include "fit/intake.h"
 #include "batch/batch.h"
 #include "data/sums.h"
+
+/* What most calls are given. */
+struct given {
+    brdffit_samples samples;
+    brdffit_options options;
+};
+
+static brdffit_status take(struct given *given, const brdffit_samples *samples, const brdffit_options *options,
+                           brdffit_error *error)
+{
+    brdffit_status status = brdffit_intake_options(options, &given->options, error);
+
+    return status == BRDFFIT_OK ? brdffit_intake_samples(samples, &given->samples, error) : status;
+}
 
 size_t brdffit_workspace_size(size_t count, size_t channels, const brdffit_options *options)
 {
     struct environment callers;
-    size_t size;
+    brdffit_options known;
+    size_t size = 0;
 
     brdffit_environment_enter(&callers);
-    size = brdffit_fit_workspace(count, channels, options);
+    if (brdffit_intake_options(options, &known, NULL) == BRDFFIT_OK) {
+        size = brdffit_fit_workspace(count, channels, &known);
+    }
     brdffit_environment_leave(&callers);
     return size;
 }
 
 brdffit_status brdffit_fit(const brdffit_samples *samples, const brdffit_options *options, void *workspace,
-                           size_t workspace_size, brdffit_result *result, brdffit_error *error)
+                           size_t workspace_size, const brdffit_result **result, brdffit_error *error)
 {
+    struct given given;
     struct environment callers;
     brdffit_status status;
 
     brdffit_environment_enter(&callers);
-    status = brdffit_fit_run(samples, options, workspace, workspace_size, result, error);
+    status = take(&given, samples, options, error);
+    if (status == BRDFFIT_OK) {
+        status = brdffit_fit_run(&given.samples, &given.options, workspace, workspace_size, result, error);
+    }
     brdffit_environment_leave(&callers);
     return status;
 }
 
-brdffit_status brdffit_verify_socp(const brdffit_samples *samples, const brdffit_options *options, double level,
-                                   void *workspace, size_t workspace_size, brdffit_reproof *reproof,
-                                   brdffit_error *error)
+brdffit_status brdffit_verify(const brdffit_samples *samples, const brdffit_options *options, double level,
+                              void *workspace, size_t workspace_size, const brdffit_verification **verification,
+                              brdffit_error *error)
 {
+    struct given given;
     struct environment callers;
     brdffit_status status;
 
     brdffit_environment_enter(&callers);
-    status = brdffit_verify_run(samples, options, level, workspace, workspace_size, reproof, error);
+    status = take(&given, samples, options, error);
+    if (status == BRDFFIT_OK) {
+        status = brdffit_verify_run(&given.samples, &given.options, level, workspace, workspace_size, verification,
+                                    error);
+    }
     brdffit_environment_leave(&callers);
     return status;
 }
 
 brdffit_status brdffit_inspect(const brdffit_samples *samples, const brdffit_options *options, size_t *used,
-                               size_t skipped[BRDFFIT_SKIP_COUNT], brdffit_error *error)
+                               size_t *skipped, size_t reasons, brdffit_error *error)
 {
+    struct given given;
     struct environment callers;
     brdffit_status status;
 
     brdffit_environment_enter(&callers);
-    status = brdffit_inspect_run(samples, options, used, skipped, error);
+    status = take(&given, samples, options, error);
+    if (status == BRDFFIT_OK) {
+        status = brdffit_inspect_run(&given.samples, &given.options, used, skipped, reasons, error);
+    }
     brdffit_environment_leave(&callers);
     return status;
 }
@@ -58,10 +91,34 @@ brdffit_status brdffit_inspect(const brdffit_samples *samples, const brdffit_opt
 brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *at, double *out, brdffit_error *error)
 {
     struct environment callers;
+    brdffit_samples places;
+    brdffit_model known;
     brdffit_status status;
 
     brdffit_environment_enter(&callers);
-    status = brdffit_eval_run(model, at, out, error);
+    status = brdffit_intake_model(model, &known, error);
+    if (status == BRDFFIT_OK) {
+        status = brdffit_intake_samples(at, &places, error);
+    }
+    if (status == BRDFFIT_OK) {
+        status = brdffit_eval_run(&known, &places, out, error);
+    }
+    brdffit_environment_leave(&callers);
+    return status;
+}
+
+brdffit_status brdffit_sums_init(void *memory, size_t size, size_t channels, size_t groups,
+                                 const brdffit_options *options, brdffit_sums **sums, brdffit_error *error)
+{
+    struct environment callers;
+    brdffit_options known;
+    brdffit_status status;
+
+    brdffit_environment_enter(&callers);
+    status = brdffit_intake_options(options, &known, error);
+    if (status == BRDFFIT_OK) {
+        status = brdffit_sums_init_run(memory, size, channels, groups, &known, sums, error);
+    }
     brdffit_environment_leave(&callers);
     return status;
 }
@@ -69,10 +126,14 @@ brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *a
 brdffit_status brdffit_sums_add(brdffit_sums *sums, const brdffit_samples *samples, brdffit_error *error)
 {
     struct environment callers;
+    brdffit_samples known;
     brdffit_status status;
 
     brdffit_environment_enter(&callers);
-    status = brdffit_sums_add_run(sums, samples, error);
+    status = brdffit_intake_samples(samples, &known, error);
+    if (status == BRDFFIT_OK) {
+        status = brdffit_sums_add_run(sums, &known, error);
+    }
     brdffit_environment_leave(&callers);
     return status;
 }
@@ -81,33 +142,49 @@ brdffit_status brdffit_sums_add_row(brdffit_sums *sums, const brdffit_row *row, 
                                     brdffit_error *error)
 {
     struct environment callers;
+    brdffit_row known;
     brdffit_status status;
 
     brdffit_environment_enter(&callers);
-    status = brdffit_sums_add_row_run(sums, row, cells, error);
+    status = brdffit_intake_row(row, &known, error);
+    if (status == BRDFFIT_OK) {
+        status = brdffit_sums_add_row_run(sums, &known, cells, error);
+    }
     brdffit_environment_leave(&callers);
     return status;
 }
 
+size_t brdffit_sums_workspace_size(const brdffit_sums *sums, const brdffit_options *options)
+{
+    return sums ? brdffit_workspace_size(brdffit_sums_rows(sums), sums->channels, options) : 0;
+}
+
 brdffit_status brdffit_fit_sums(const brdffit_sums *sums, const brdffit_options *options, void *workspace,
-                                size_t workspace_size, brdffit_result *result, brdffit_error *error)
+                                size_t workspace_size, const brdffit_result **result, brdffit_error *error)
 {
     struct environment callers;
+    brdffit_options known;
     brdffit_status status;
 
     brdffit_environment_enter(&callers);
-    status = brdffit_fit_sums_run(sums, options, workspace, workspace_size, result, error);
+    status = brdffit_intake_options(options, &known, error);
+    if (status == BRDFFIT_OK) {
+        status = brdffit_fit_sums_run(sums, &known, workspace, workspace_size, result, error);
+    }
     brdffit_environment_leave(&callers);
     return status;
 }
 
 size_t brdffit_plan_size(const brdffit_samples *geometry, const brdffit_options *options)
 {
+    struct given given;
     struct environment callers;
-    size_t size;
+    size_t size = 0;
 
     brdffit_environment_enter(&callers);
-    size = brdffit_plan_bytes(geometry, options);
+    if (take(&given, geometry, options, NULL) == BRDFFIT_OK) {
+        size = brdffit_plan_bytes(&given.samples, &given.options);
+    }
     brdffit_environment_leave(&callers);
     return size;
 }
@@ -115,13 +192,36 @@ size_t brdffit_plan_size(const brdffit_samples *geometry, const brdffit_options 
 brdffit_status brdffit_plan_init(const brdffit_samples *geometry, const brdffit_options *options, void *memory,
                                  size_t size, const brdffit_plan **plan, brdffit_error *error)
 {
+    struct given given;
     struct environment callers;
     brdffit_status status;
 
     brdffit_environment_enter(&callers);
-    status = brdffit_plan_make(geometry, options, memory, size, plan, error);
+    status = take(&given, geometry, options, error);
+    if (status == BRDFFIT_OK) {
+        status = brdffit_plan_make(&given.samples, &given.options, memory, size, plan, error);
+    }
     brdffit_environment_leave(&callers);
     return status;
+}
+
+/* What a batch is given. */
+struct given_batch {
+    brdffit_texels texels;
+    brdffit_texel_results results;
+    brdffit_many_stats stats;
+};
+
+static brdffit_status take_batch(struct given_batch *given, const brdffit_texels *texels,
+                                 const brdffit_texel_results *results, const brdffit_many_stats *stats,
+                                 brdffit_error *error)
+{
+    brdffit_status status = brdffit_intake_texels(texels, &given->texels, error);
+
+    if (status == BRDFFIT_OK) {
+        status = brdffit_intake_texel_results(results, &given->results, error);
+    }
+    return status == BRDFFIT_OK && stats ? brdffit_intake_many_stats(stats, &given->stats, error) : status;
 }
 
 brdffit_status brdffit_fit_many(const brdffit_plan *plan, const brdffit_texels *texels,
@@ -129,10 +229,18 @@ brdffit_status brdffit_fit_many(const brdffit_plan *plan, const brdffit_texels *
                                 brdffit_many_stats *stats, brdffit_error *error)
 {
     struct environment callers;
+    struct given_batch given;
     brdffit_status status;
 
     brdffit_environment_enter(&callers);
-    status = brdffit_batch_run(plan, texels, results, workspace, workspace_size, stats, error);
+    status = take_batch(&given, texels, results, stats, error);
+    if (status == BRDFFIT_OK) {
+        status = brdffit_batch_run(plan, &given.texels, &given.results, workspace, workspace_size,
+                                   stats ? &given.stats : NULL, error);
+    }
+    if (status == BRDFFIT_OK && stats) {
+        intake_return(stats, &given.stats, sizeof given.stats);
+    }
     brdffit_environment_leave(&callers);
     return status;
 }

@@ -9,34 +9,18 @@
 
 #include "fit/fit.h"
 #include "base/error.h"
+#include "base/intake.h"
 #include "model/geometry.h"
 
-void brdffit_texels_init(brdffit_texels *texels, const brdffit_plan *plan)
+void brdffit_texels_init_sized(brdffit_texels *texels, size_t struct_size, const brdffit_plan *plan)
 {
-    static const brdffit_texels zero;
+    brdffit_texels start = {.scale = 1.0, .channel_stride = 1};
 
-    *texels = zero;
-    texels->struct_size = sizeof *texels;
-    texels->scale = 1.0;
-    texels->channel_stride = 1;
-    texels->sample_stride = plan ? (ptrdiff_t)plan->geometry.channels : 0;
-    texels->texel_stride = plan ? (ptrdiff_t)(plan->geometry.count * plan->geometry.channels) : 0;
-}
-
-void brdffit_texel_results_init(brdffit_texel_results *results)
-{
-    static const brdffit_texel_results zero;
-
-    *results = zero;
-    results->struct_size = sizeof *results;
-}
-
-void brdffit_many_stats_init(brdffit_many_stats *stats)
-{
-    static const brdffit_many_stats zero;
-
-    *stats = zero;
-    stats->struct_size = sizeof *stats;
+    if (plan) {
+        start.sample_stride = (ptrdiff_t)plan->geometry.channels;
+        start.texel_stride = (ptrdiff_t)(plan->geometry.count * plan->geometry.channels);
+    }
+    intake_init(texels, struct_size, &start, sizeof start);
 }
 
 const char *brdffit_texel_status_string(brdffit_texel_status status)
@@ -68,14 +52,11 @@ void brdffit_batch_layout(struct batch *batch, struct arena *arena, const brdffi
     }
 }
 
-static brdffit_status check(const brdffit_plan *plan, const brdffit_texels *t, const brdffit_texel_results *results,
-                            const void *workspace, size_t size, const brdffit_many_stats *stats, brdffit_error *error)
+static brdffit_status check(const brdffit_plan *plan, const brdffit_texels *t, const void *workspace, size_t size,
+                            brdffit_error *error)
 {
-    if (!plan || !workspace || (stats && stats->struct_size != sizeof *stats)) {
-        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "plan or workspace is NULL, or stats of another version");
-    }
-    if (!t || t->struct_size != sizeof *t || !results || results->struct_size != sizeof *results) {
-        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "texels or results: NULL or of another version's size");
+    if (!plan || !workspace) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "plan or workspace is NULL");
     }
     if (t->count && !t->values) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "texels: values is NULL");
@@ -295,7 +276,7 @@ brdffit_status brdffit_batch_run(const brdffit_plan *plan, const brdffit_texels 
                                  brdffit_many_stats *stats, brdffit_error *error)
 {
     static const struct batch_result masked = {.status = BRDFFIT_TEXEL_MASKED, .where = BRDFFIT_NONE};
-    brdffit_status status = check(plan, texels, results, workspace, workspace_size, stats, error);
+    brdffit_status status = check(plan, texels, workspace, workspace_size, error);
     struct arena arena;
     struct batch batch;
     size_t t;

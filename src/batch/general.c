@@ -18,14 +18,14 @@ static void keep(const brdffit_plan *plan, const brdffit_result *from, struct ba
     to->lower_bound = from->lower_bound;
     to->sum_of_squares = from->sum_of_squares;
     for (k = 0; k < P; k++) {
-        to->sigma[k] = from->model.sigma[k];
+        to->sigma[k] = from->model->sigma[k];
     }
     for (k = 0; k < K; k++) {
-        to->x[k] = from->model.x[k];
+        to->x[k] = from->model->x[k];
         to->channel_scale[k] = from->channel_scale[k];
     }
     for (k = 0; k < K * P; k++) {
-        to->y[k] = from->model.y[k];
+        to->y[k] = from->model->y[k];
     }
     if (!(to->sum_of_squares > 0.0)) {
         to->status = BRDFFIT_TEXEL_NO_SIGNAL;
@@ -36,7 +36,7 @@ void brdffit_batch_general(const brdffit_plan *plan, struct batch *batch, const 
                            struct batch_result *result)
 {
     brdffit_samples samples = plan->geometry;
-    brdffit_result fitted;
+    const brdffit_result *fitted;
     brdffit_error error;
 
     result->where = BRDFFIT_NONE;
@@ -45,7 +45,7 @@ void brdffit_batch_general(const brdffit_plan *plan, struct batch *batch, const 
     result->one_lobe_enough = 0;
     samples.values = values;
     if (brdffit_fit_run(&samples, &plan->options, batch->fit, batch->fit_size, &fitted, &error) == BRDFFIT_OK) {
-        keep(plan, &fitted, result);
+        keep(plan, fitted, result);
         return;
     }
     result->status = BRDFFIT_TEXEL_REFUSED;

@@ -19,6 +19,20 @@ static const double *copy(struct arena *arena, const double *from, size_t count,
     return to;
 }
 
+/* The options that a plan keeps, with the list that they point to. */
+static brdffit_options keep_options(struct arena *arena, const brdffit_options *o)
+{
+    brdffit_options kept = *o;
+    brdffit_distribution *list = o->distributions ? brdffit_arena_take(arena, (size_t)o->lobes, sizeof *list) : NULL;
+
+    if (list) {
+        memcpy(list, o->distributions, (size_t)o->lobes * sizeof *list);
+    }
+    kept.distributions = list;
+    kept.progress = NULL;
+    return kept;
+}
+
 /* Room that making the plan needs. */
 struct making {
     struct reduced reduced;
@@ -33,6 +47,7 @@ static struct brdffit_plan *lay_out(struct arena *arena, const brdffit_samples *
     struct brdffit_plan *plan = brdffit_arena_take(arena, 1, sizeof *plan);
     int directions = g->form == BRDFFIT_FORM_DIRECTIONS, angles = g->form == BRDFFIT_FORM_ANGLES;
     int coefficients = g->form == BRDFFIT_FORM_COEFFICIENTS;
+    brdffit_options options = keep_options(arena, o);
     brdffit_samples kept = *g;
 
     kept.light = copy(arena, directions ? g->light : NULL, g->count, 3);
@@ -52,13 +67,14 @@ static struct brdffit_plan *lay_out(struct arena *arena, const brdffit_samples *
         brdffit_batch_fast_scratch(&making->reduced, &making->values, arena, g->count);
     }
     if (plan) {
+        plan->options = options;
         plan->geometry = kept;
         plan->fast = fast;
     }
     return plan;
 }
 
-/* Everything about the call but sizes. `options` is what NULL stands for, too. */
+/* Everything about the call but sizes. */
 static brdffit_status check(const brdffit_samples *geometry, const brdffit_options *options, brdffit_error *error)
 {
     brdffit_status status = brdffit_options_check(options, error);
@@ -105,14 +121,9 @@ static size_t workspace_size(const brdffit_options *options, size_t samples, siz
 
 size_t brdffit_plan_bytes(const brdffit_samples *geometry, const brdffit_options *options)
 {
-    brdffit_options defaults;
     struct making making;
     struct arena arena;
 
-    if (!options) {
-        brdffit_options_init(&defaults);
-        options = &defaults;
-    }
     if (check(geometry, options, NULL) != BRDFFIT_OK) {
         return 0;
     }
@@ -124,18 +135,12 @@ size_t brdffit_plan_bytes(const brdffit_samples *geometry, const brdffit_options
 brdffit_status brdffit_plan_make(const brdffit_samples *geometry, const brdffit_options *options, void *memory,
                                  size_t size, const brdffit_plan **plan, brdffit_error *error)
 {
-    brdffit_options defaults;
-    brdffit_status status;
+    brdffit_status status = check(geometry, options, error);
     struct brdffit_plan *made;
     struct making making;
     struct arena arena;
     size_t needed;
 
-    if (!options) {
-        brdffit_options_init(&defaults);
-        options = &defaults;
-    }
-    status = check(geometry, options, error);
     if (status != BRDFFIT_OK) {
         return status;
     }
@@ -155,8 +160,6 @@ brdffit_status brdffit_plan_make(const brdffit_samples *geometry, const brdffit_
     }
     brdffit_arena_init(&arena, memory, size);
     made = lay_out(&arena, geometry, options, &making);
-    made->options = *options;
-    made->options.progress = NULL;
     made->workspace_size = workspace_size(options, geometry->count, geometry->channels);
     made->kernels = NULL;
     if (brdffit_batch_fast_possible(options) &&

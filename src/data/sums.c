@@ -93,13 +93,15 @@ struct brdffit_sums *brdffit_sums_start(void *memory, size_t size, size_t channe
     return sums;
 }
 
-void brdffit_sums_count(const brdffit_sums *sums, size_t *used, size_t skipped[BRDFFIT_SKIP_COUNT])
+void brdffit_sums_count(const brdffit_sums *sums, size_t *used, size_t *skipped, size_t reasons)
 {
+    size_t k;
+
     if (used) {
         *used = sums->used;
     }
-    if (skipped) {
-        memcpy(skipped, sums->skipped, sizeof sums->skipped);
+    for (k = 0; skipped && k < reasons; k++) {
+        skipped[k] = k < BRDFFIT_SKIP_COUNT ? sums->skipped[k] : 0;
     }
 }
 
@@ -250,7 +252,7 @@ brdffit_status brdffit_sums_add_run(brdffit_sums *sums, const brdffit_samples *s
     }
     status = brdffit_geometry_check(samples, 1, error);
     if (status != BRDFFIT_OK) {
-        return samples && status == BRDFFIT_ERR_NO_SAMPLES ? BRDFFIT_OK : status;
+        return status == BRDFFIT_ERR_NO_SAMPLES ? BRDFFIT_OK : status;
     }
     if (samples->channels != sums->channels) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples: not as many channels as the sums");

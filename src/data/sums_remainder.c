@@ -186,8 +186,8 @@ static struct remainder largest(const struct cells *v, double first, double last
 /* s of the result's lobe. */
 static double frequency(const brdffit_result *result, int p)
 {
-    return result->lobe[p].exponent > 0.0 ? result->lobe[p].exponent
-                                          : 1.0 / (result->lobe[p].sigma * result->lobe[p].sigma);
+    return result->lobe[p]->exponent > 0.0 ? result->lobe[p]->exponent
+                                           : 1.0 / (result->lobe[p]->sigma * result->lobe[p]->sigma);
 }
 
 /* D and d^2 of channel k at the model found; the lobes' Y for c - c0. */
@@ -199,16 +199,16 @@ static struct remainder at_model(const struct cells *v, const struct brdffit_res
     size_t g;
     int p;
 
-    for (p = 0; p < result->model.lobes; p++) {
+    for (p = 0; p < result->model->lobes; p++) {
         s[p] = frequency(result, p);
-        y[p] = result->model.y[k * (size_t)result->model.lobes + (size_t)p] * kind->factor(v->smallest, s[p]) /
+        y[p] = result->model->y[k * (size_t)result->model->lobes + (size_t)p] * kind->factor(v->smallest, s[p]) /
                v->scale[k];
     }
     for (g = v->sums->exact; g < v->sums->groups; g++) {
         double bb = sums_value(&v->sums->cell[g]), first = 0.0, second = 0.0;
         double width = brdffit_sums_width(v->sums, v->sums->c[g]);
 
-        for (p = 0; p < result->model.lobes && bb > 0.0; p++) {
+        for (p = 0; p < result->model->lobes && bb > 0.0; p++) {
             double x = width * s[p];
             double lobe = y[p] * falls(v, s[p], v->sums->c[g]);
 

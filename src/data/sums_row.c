@@ -15,14 +15,6 @@
 
 #define PI 3.14159265358979323846
 
-void brdffit_row_init(brdffit_row *row)
-{
-    static const brdffit_row zero;
-
-    *row = zero;
-    row->struct_size = sizeof *row;
-}
-
 static int in_order(double low, double x, double high)
 {
     return x >= low && x <= high;
@@ -33,9 +25,8 @@ static brdffit_status check_row(const struct brdffit_sums *s, const brdffit_row 
     size_t i, most = (size_t)-1 / sizeof(double);
     int fine = 1;
 
-    if (!s || !row || row->struct_size != sizeof *row || !row->sin_difference || !row->cos_difference ||
-        !row->cos_azimuth || !row->entries || !row->scale) {
-        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "row: something is NULL, or of another version's size");
+    if (!s || !row->sin_difference || !row->cos_difference || !row->cos_azimuth || !row->entries || !row->scale) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "row: sums or something in it is NULL");
     }
     if (row->differences == 0 || row->azimuths == 0 || row->differences > most / row->azimuths) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "row: no cells, or more than can be addressed");

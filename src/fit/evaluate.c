@@ -18,8 +18,8 @@ static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
 {
     int p;
 
-    if (!m || !m->x || !m->y || m->channels == 0) {
-        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: NULL, or without coefficients");
+    if (!m->sigma || !m->x || !m->y || m->channels == 0) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: without roughness or coefficients");
     }
     if (!(m->lobes >= 1 && m->lobes <= BRDFFIT_MAX_LOBES)) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown number of lobes");
@@ -107,18 +107,12 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
 }
 
 brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit_options *options, size_t *used,
-                                   size_t skipped[BRDFFIT_SKIP_COUNT], brdffit_error *error)
+                                   size_t *skipped, size_t known, brdffit_error *error)
 {
-    brdffit_options defaults;
-    brdffit_status status;
+    brdffit_status status = brdffit_options_check(options, error);
     size_t counted = 0, reasons[BRDFFIT_SKIP_COUNT] = {0}, i, k;
     double min_cosine;
 
-    if (!options) {
-        brdffit_options_init(&defaults);
-        options = &defaults;
-    }
-    status = brdffit_options_check(options, error);
     if (status == BRDFFIT_OK) {
         status = brdffit_geometry_check(samples, 1, error);
     }
@@ -146,8 +140,8 @@ brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit
             reasons[skip]++;
         }
     }
-    for (k = 0; k < BRDFFIT_SKIP_COUNT && skipped; k++) {
-        skipped[k] = reasons[k];
+    for (k = 0; skipped && k < known; k++) {
+        skipped[k] = k < BRDFFIT_SKIP_COUNT ? reasons[k] : 0;
     }
     if (used) {
         *used = counted;

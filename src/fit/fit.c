@@ -132,8 +132,7 @@ brdffit_status brdffit_fit_open(struct fit *f, const brdffit_samples *samples, c
     return brdffit_fit_check_total(f, options, error);
 }
 
-brdffit_status brdffit_fit_finish(struct fit *f, const brdffit_options *options, brdffit_result *result,
-                                  brdffit_error *error)
+brdffit_status brdffit_fit_finish(struct fit *f, const brdffit_options *options, brdffit_error *error)
 {
     struct search_result found;
     struct search_rules rules;
@@ -144,22 +143,23 @@ brdffit_status brdffit_fit_finish(struct fit *f, const brdffit_options *options,
         return status;
     }
     brdffit_search(f->axis, &f->heap, &engine, &rules, &found);
-    brdffit_report(f, options, brdffit_fit_scale(&f->data, options), &found, result);
+    brdffit_report(f, options, brdffit_fit_scale(&f->data, options), &found);
     brdffit_fit_engine_finish(f, options);
     return BRDFFIT_OK;
 }
 
 brdffit_status brdffit_fit_run(const brdffit_samples *samples, const brdffit_options *options, void *workspace,
-                               size_t workspace_size, brdffit_result *result, brdffit_error *error)
+                               size_t workspace_size, const brdffit_result **result, brdffit_error *error)
 {
-    brdffit_options defaults;
     brdffit_status status;
     struct fit fit;
 
-    if (!options) {
-        brdffit_options_init(&defaults);
-        options = &defaults;
-    }
     status = brdffit_fit_open(&fit, samples, options, workspace, workspace_size, result, error);
-    return status == BRDFFIT_OK ? brdffit_fit_finish(&fit, options, result, error) : status;
+    if (status == BRDFFIT_OK) {
+        status = brdffit_fit_finish(&fit, options, error);
+    }
+    if (status == BRDFFIT_OK) {
+        *result = &fit.handout->result;
+    }
+    return status;
 }

@@ -32,6 +32,19 @@ struct domain {
     double tail; /* end of the options' range */
 };
 
+/* What a fit hands out by pointer, in the workspace: `result` and what it points to, but for arrays of K. */
+struct handout {
+    void *block; /* what brdffit_result_free() frees: set by brdffit_fit_new() */
+    brdffit_result result;
+    brdffit_model model;
+    brdffit_lobe lobe[BRDFFIT_MAX_LOBES];
+    const brdffit_lobe *lobes[BRDFFIT_MAX_LOBES];
+    double sigma[BRDFFIT_MAX_LOBES];
+    brdffit_distribution distributions[BRDFFIT_MAX_LOBES];
+    size_t skipped[BRDFFIT_SKIP_COUNT];
+    brdffit_verification verification;
+};
+
 struct fit {
     struct model model;
     struct reduced data;
@@ -44,6 +57,7 @@ struct fit {
     struct varpro varpro;
     brdffit_norm norm;
     struct domain domain[KINDS_MOST];
+    struct handout *handout;
     double *x, *y, *rms; /* K, K x P, K: the result's arrays */
     struct observer observer;
 };
@@ -54,7 +68,7 @@ static inline const struct domain *fit_domain(const struct fit *f, int lobe)
     return &f->domain[f->model.lobe[lobe].kind];
 }
 
-/* Defaults for NULL, and every field in its range. */
+/* Every field in its range. The options are whole, as brdffit_intake_options() makes them; so are all that follow. */
 brdffit_status brdffit_options_check(const brdffit_options *options, brdffit_error *error);
 
 /* Lay a fit out in an arena (counting or real). */
@@ -72,9 +86,8 @@ brdffit_status brdffit_fit_check_total(const struct fit *fit, const brdffit_opti
 brdffit_status brdffit_fit_start(struct fit *fit, const brdffit_options *options, struct engine *engine,
                                  struct search_rules *rules, brdffit_error *error);
 
-/* All that follows the reduction, of a fit that is open. */
-brdffit_status brdffit_fit_finish(struct fit *fit, const brdffit_options *options, brdffit_result *result,
-                                  brdffit_error *error);
+/* All that follows the reduction, of a fit that is open; the result is fit->handout->result. */
+brdffit_status brdffit_fit_finish(struct fit *fit, const brdffit_options *options, brdffit_error *error);
 
 /* What turns an internal objective into the caller's units. */
 double brdffit_fit_scale(const struct reduced *data, const brdffit_options *options);
@@ -98,23 +111,26 @@ double brdffit_fit_sigma(const struct fit *fit, int kind, double theta, const br
 /* Exact objective at a point in the fit's norm, while its engine is there. With `prove`, value->kkt is meant too. */
 void brdffit_fit_evaluate(struct fit *fit, const struct point *at, int prove, struct varpro_value *value);
 
-/* Fill *result from the outcome of a search; objective_scale turns its objective into the caller's units. */
+/* Fill fit->handout from the outcome of a search; objective_scale turns its objective into the caller's units. */
 void brdffit_report(struct fit *fit, const brdffit_options *options, double objective_scale,
-                    const struct search_result *found, brdffit_result *result);
+                    const struct search_result *found);
 
-/* The public functions without the change of the floating-point environment (entry.c calls them). */
+/* The public functions of whole structures, in the floating-point environment as it is (entry.c calls them). */
 ENVIRONMENT_APART size_t brdffit_fit_workspace(size_t count, size_t channels, const brdffit_options *options);
 ENVIRONMENT_APART brdffit_status brdffit_fit_run(const brdffit_samples *samples, const brdffit_options *options,
-                                                 void *workspace, size_t workspace_size, brdffit_result *result,
+                                                 void *workspace, size_t workspace_size, const brdffit_result **result,
                                                  brdffit_error *error);
 ENVIRONMENT_APART brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_options *options,
-                                                      void *workspace, size_t workspace_size, brdffit_result *result,
-                                                      brdffit_error *error);
+                                                      void *workspace, size_t workspace_size,
+                                                      const brdffit_result **result, brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_sums_init_run(void *memory, size_t size, size_t channels, size_t groups,
+                                                       const brdffit_options *options, brdffit_sums **sums,
+                                                       brdffit_error *error);
 ENVIRONMENT_APART brdffit_status brdffit_verify_run(const brdffit_samples *samples, const brdffit_options *options,
                                                     double level, void *workspace, size_t workspace_size,
-                                                    brdffit_reproof *reproof, brdffit_error *error);
+                                                    const brdffit_verification **verification, brdffit_error *error);
 ENVIRONMENT_APART brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit_options *options,
-                                                     size_t *used, size_t skipped[BRDFFIT_SKIP_COUNT],
+                                                     size_t *used, size_t *skipped, size_t reasons,
                                                      brdffit_error *error);
 ENVIRONMENT_APART brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_samples *at, double *out,
                                                   brdffit_error *error);

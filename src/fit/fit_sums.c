@@ -9,18 +9,13 @@
 #include "data/sums.h"
 #include "base/tolerance.h"
 
-brdffit_status brdffit_sums_init(void *memory, size_t size, size_t channels, size_t groups,
-                                 const brdffit_options *options, brdffit_sums **sums, brdffit_error *error)
+brdffit_status brdffit_sums_init_run(void *memory, size_t size, size_t channels, size_t groups,
+                                     const brdffit_options *options, brdffit_sums **sums, brdffit_error *error)
 {
     size_t needed = brdffit_sums_size(channels, groups);
-    brdffit_options defaults;
     brdffit_status status;
     struct model model;
 
-    if (!options) {
-        brdffit_options_init(&defaults);
-        options = &defaults;
-    }
     if (!memory || !sums || needed == 0) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "sums: NULL, no channels, no groups or too many of them");
     }
@@ -57,13 +52,8 @@ static int same_geometry(const brdffit_sums *sums, const brdffit_options *o)
     return same;
 }
 
-size_t brdffit_sums_workspace_size(const brdffit_sums *sums, const brdffit_options *options)
-{
-    return sums ? brdffit_fit_workspace(brdffit_sums_rows(sums), sums->channels, options) : 0;
-}
-
 static brdffit_status check_call(const brdffit_sums *sums, const brdffit_options *o, const void *workspace, size_t size,
-                                 const brdffit_result *result, brdffit_error *error)
+                                 const void *result, brdffit_error *error)
 {
     brdffit_status status = brdffit_options_check(o, error);
     size_t needed;
@@ -84,7 +74,7 @@ static brdffit_status check_call(const brdffit_sums *sums, const brdffit_options
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
                             "boxes of binned sums would be shown without the remainder");
     }
-    needed = brdffit_sums_workspace_size(sums, o);
+    needed = brdffit_fit_workspace(brdffit_sums_rows(sums), sums->channels, o);
     if (needed == 0) {
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "more groups or channels than can be addressed");
     }
@@ -109,17 +99,12 @@ static brdffit_status open_sums(struct fit *f, const brdffit_sums *sums, const b
 }
 
 brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_options *options, void *workspace,
-                                    size_t workspace_size, brdffit_result *result, brdffit_error *error)
+                                    size_t workspace_size, const brdffit_result **result, brdffit_error *error)
 {
-    brdffit_options defaults;
+    brdffit_options inner;
     brdffit_status status;
     struct fit fit;
-    brdffit_options inner;
 
-    if (!options) {
-        brdffit_options_init(&defaults);
-        options = &defaults;
-    }
     status = check_call(sums, options, workspace, workspace_size, result, error);
     if (status == BRDFFIT_OK) {
         status = open_sums(&fit, sums, options, workspace, workspace_size, error);
@@ -127,13 +112,14 @@ brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_opti
     if (status == BRDFFIT_OK) {
         inner = *options;
         inner.relative_gap *= sums->bits ? 0.5 : 1.0; /* the other half is for the bins */
-        status = brdffit_fit_finish(&fit, &inner, result, error);
+        status = brdffit_fit_finish(&fit, &inner, error);
     }
     if (status == BRDFFIT_OK) {
-        result->e2_error = 9.0 * TOL_GRAM * TOL_UNIT * result->sum_of_squares;
+        fit.handout->result.e2_error = 9.0 * TOL_GRAM * TOL_UNIT * fit.handout->result.sum_of_squares;
         if (sums->bits) {
-            brdffit_sums_remainder(sums, options, result);
+            brdffit_sums_remainder(sums, options, &fit.handout->result);
         }
+        *result = &fit.handout->result;
     }
     return status;
 }

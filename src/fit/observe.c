@@ -47,14 +47,16 @@ static void show(void *self, const struct box *box)
 {
     const struct observer *v = self;
     const struct model *model = &v->fit->model;
-    brdffit_box shown = {.lower_bound = box->bound * v->scale};
+    double low[BRDFFIT_MAX_LOBES], high[BRDFFIT_MAX_LOBES];
+    brdffit_box shown = {
+        .lobes = model->lobes, .sigma_low = low, .sigma_high = high, .lower_bound = box->bound * v->scale};
     int p;
 
     for (p = 0; p < model->lobes; p++) {
         uint32_t interval = box->interval[shown_lobe(model, p)];
         int kind = model->lobe[p].kind;
 
-        side(v, kind, interval, &shown.sigma_low[p], &shown.sigma_high[p]);
+        side(v, kind, interval, &low[p], &high[p]);
         shown.level += halvings(v->fit, kind, interval);
     }
     v->options->box(v->options->box_user, &shown);

@@ -6,29 +6,30 @@
 #include "fit/fit.h"
 #include "base/error.h"
 #include "model/geometry.h"
+#include "base/intake.h"
 #include "base/isa.h"
 #include "base/tolerance.h"
 
-void brdffit_options_init(brdffit_options *o)
+void brdffit_options_init_sized(brdffit_options *options, size_t struct_size)
 {
-    static const brdffit_options zero;
+    static const brdffit_options defaults = {
+        .lobes = 1,
+        .distribution = BRDFFIT_BECKMANN,
+        .norm = BRDFFIT_NORM_L2,
+        .engine = BRDFFIT_ENGINE_MOMENT,
+        .normalise = BRDFFIT_NORMALISE_MAX,
+        .sigma_min = 1e-12,
+        .sigma_max = 6.0,
+        .exponent_min = 0.1,
+        .exponent_max = 1e7,
+        .relative_gap = 1e-3,
+        .absolute_gap = 1e-12,
+        .sigma_resolution = 0.0,
+        .box_budget = 1000000,
+        .max_incidence = 60.0,
+    };
 
-    *o = zero;
-    o->struct_size = sizeof *o;
-    o->lobes = 1;
-    o->distribution = BRDFFIT_BECKMANN;
-    o->norm = BRDFFIT_NORM_L2;
-    o->engine = BRDFFIT_ENGINE_MOMENT;
-    o->normalise = BRDFFIT_NORMALISE_MAX;
-    o->sigma_min = 1e-12;
-    o->sigma_max = 6.0;
-    o->exponent_min = 0.1;
-    o->exponent_max = 1e7;
-    o->relative_gap = 1e-3;
-    o->absolute_gap = 1e-12;
-    o->sigma_resolution = 0.0;
-    o->box_budget = 1000000;
-    o->max_incidence = 60.0;
+    intake_init(options, struct_size, &defaults, sizeof defaults);
 }
 
 static brdffit_status bad(brdffit_error *error, const char *message, double value)
@@ -74,12 +75,8 @@ static brdffit_status check_choices(const brdffit_options *o, brdffit_error *err
 
 brdffit_status brdffit_options_check(const brdffit_options *o, brdffit_error *error)
 {
-    brdffit_status status;
+    brdffit_status status = check_choices(o, error);
 
-    if (!o || o->struct_size != sizeof *o) {
-        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "options: NULL or of another version's size");
-    }
-    status = check_choices(o, error);
     if (status != BRDFFIT_OK) {
         return status;
     }
@@ -142,6 +139,7 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
     if (arena->failed) {
         return;
     }
+    f->handout = brdffit_arena_take(arena, 1, sizeof *f->handout);
     f->x = ARENA_DOUBLES(arena, channels);
     f->y = brdffit_arena_take(arena, channels, (size_t)o->lobes * sizeof(double));
     f->rms = ARENA_DOUBLES(arena, channels);
@@ -162,14 +160,9 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
 
 size_t brdffit_fit_workspace(size_t count, size_t channels, const brdffit_options *options)
 {
-    brdffit_options defaults;
     struct arena arena;
     struct fit fit;
 
-    if (!options) {
-        brdffit_options_init(&defaults);
-        options = &defaults;
-    }
     if (channels == 0 || brdffit_options_check(options, NULL) != BRDFFIT_OK) {
         return 0;
     }

@@ -6,6 +6,7 @@
 
 #include "fit/fit.h"
 #include "base/exp.h"
+#include "base/intake.h"
 #include "base/tolerance.h"
 
 static double clamp(double value, double low, double high)
@@ -200,7 +201,7 @@ static void coefficients(struct fit *f, const struct point *at)
     }
 }
 
-static void lobe_shares(const struct fit *f, brdffit_result *result)
+static void lobe_shares(const struct fit *f, brdffit_lobe *lobe)
 {
     double sum[BRDFFIT_MAX_LOBES] = {0.0}, all = 0.0, largest = 0.0;
     size_t k, lobes = (size_t)f->model.lobes, p;
@@ -217,12 +218,12 @@ static void lobe_shares(const struct fit *f, brdffit_result *result)
         all += sum[p];
     }
     for (p = 0; p < lobes; p++) {
-        result->lobe[p].weight = all > 0.0 ? sum[p] / all : 0.0;
+        lobe[p].weight = all > 0.0 ? sum[p] / all : 0.0;
         if (!(sum[p] > 0.0)) {
-            result->lobe[p].warnings |= BRDFFIT_WARN_UNUSED;
+            lobe[p].warnings |= BRDFFIT_WARN_UNUSED;
         }
-        if (result->lobe[p].effective_samples < LIMIT_EFFECTIVE_SAMPLES) {
-            result->lobe[p].warnings |= BRDFFIT_WARN_UNRESOLVED;
+        if (lobe[p].effective_samples < LIMIT_EFFECTIVE_SAMPLES) {
+            lobe[p].warnings |= BRDFFIT_WARN_UNRESOLVED;
         }
     }
 }
@@ -239,14 +240,14 @@ static void certificate(const struct fit *f, const struct search_result *found, 
     result->boxes = found->boxes;
     if (o->norm != BRDFFIT_NORM_L2) {
         result->nodes = f->restricted.evaluated;
-        result->socp_solved = f->restricted.lp.solved + f->linear.lp.solved;
-        result->socp_refused = f->restricted.lp.refused + f->linear.lp.refused;
-        result->socp_decided = f->linear.decided;
+        result->programs_solved = f->restricted.lp.solved + f->linear.lp.solved;
+        result->programs_refused = f->restricted.lp.refused + f->linear.lp.refused;
+        result->programs_decided = f->linear.decided;
     } else if (o->engine == BRDFFIT_ENGINE_SOCP) {
         result->nodes = f->socp.evaluated;
-        result->socp_solved = f->socp.solved;
-        result->socp_refused = f->socp.refused;
-        result->socp_decided = f->socp.decided;
+        result->programs_solved = f->socp.solved;
+        result->programs_refused = f->socp.refused;
+        result->programs_decided = f->socp.decided;
     } else {
         result->nodes = f->moment.moments.evaluated;
     }
@@ -326,11 +327,34 @@ static double sigma_tail(const struct fit *f, const brdffit_options *o)
     return least;
 }
 
-/* The arrays of the result, in the caller's units. */
-static void publish(struct fit *f, const brdffit_options *o, brdffit_result *result)
+/* The model, which points to what the handout and the fit hold. */
+static void publish_model(struct fit *f, const brdffit_options *o)
 {
-    size_t k;
+    struct handout *h = f->handout;
     int p;
+
+    h->model.struct_size = INTAKE_LEAST(brdffit_model, distributions);
+    h->model.distribution = f->model.distribution[0];
+    h->model.lobes = o->lobes;
+    h->model.channels = f->data.channels;
+    h->model.sigma = h->sigma;
+    h->model.x = f->x;
+    h->model.y = f->y;
+    h->model.distributions = h->distributions;
+    for (p = 0; p < o->lobes; p++) {
+        h->sigma[p] = h->lobe[p].sigma;
+        h->distributions[p] = f->model.distribution[p];
+        h->lobes[p] = &h->lobe[p];
+    }
+    h->result.model = &h->model;
+    h->result.lobe = h->lobes;
+}
+
+/* The arrays of the result, in the caller's units. */
+static void publish(struct fit *f, const brdffit_options *o)
+{
+    brdffit_result *result = &f->handout->result;
+    size_t k;
 
     if (o->normalise == BRDFFIT_NORMALISE_NONE) {
         for (k = 0; k < f->data.channels; k++) {
@@ -339,55 +363,50 @@ static void publish(struct fit *f, const brdffit_options *o, brdffit_result *res
     }
     result->channel_scale = f->data.channel_scale;
     result->rms = f->rms;
-    result->model.distribution = o->distribution;
-    result->model.lobes = o->lobes;
-    result->model.channels = f->data.channels;
-    result->model.x = f->x;
-    result->model.y = f->y;
-    for (p = 0; p < o->lobes; p++) {
-        result->model.sigma[p] = result->lobe[p].sigma;
-    }
     result->sigma_floor = sigma_floor(f, o);
     result->sigma_tail = sigma_tail(f, o);
     result->distinct_c = f->data.distinct;
     result->channels_zero = f->data.channels_zero;
     result->channels_identical = f->data.channels_identical;
     result->samples_used = f->data.counted;
-    for (p = 0; p < BRDFFIT_SKIP_COUNT; p++) {
-        result->samples_skipped[p] = f->data.skipped[p];
+    for (k = 0; k < BRDFFIT_SKIP_COUNT; k++) {
+        f->handout->skipped[k] = f->data.skipped[k];
     }
+    result->samples_skipped = f->handout->skipped;
 }
 
-void brdffit_report(struct fit *f, const brdffit_options *o, double objective_scale, const struct search_result *found,
-                    brdffit_result *result)
+void brdffit_report(struct fit *f, const brdffit_options *o, double objective_scale, const struct search_result *found)
 {
-    static const brdffit_result zero;
+    static const struct handout zero;
+    struct handout *h = f->handout;
     struct point at = found->point;
     const struct level level = level_of(f, found->objective);
     struct varpro_value value;
     unsigned all = (1u << o->lobes) - 1, curved = 0, flat;
     int p, swapped;
 
-    *result = zero;
-    (void)order_lobes(&f->model, &at, result->lobe);
+    *h = zero;
+    (void)order_lobes(&f->model, &at, h->lobe);
     if (f->norm == BRDFFIT_NORM_L2) {
         brdffit_varpro_evaluate(&f->varpro, &at, 1, &value);
         curved = curved_lobes(f, &value, &level);
     }
     flat = move_to_largest(f, &at, &level, curved);
     for (p = 0; p < o->lobes; p++) {
-        describe_lobe(f, &at, p, (flat >> p) & 1, &level, o, &result->lobe[p]);
-        result->lobe[p].effective_samples = effective_samples(f, p, at.theta[p]);
+        describe_lobe(f, &at, p, (flat >> p) & 1, &level, o, &h->lobe[p]);
+        h->lobe[p].effective_samples = effective_samples(f, p, at.theta[p]);
     }
-    swapped = order_lobes(&f->model, &at, result->lobe);
+    swapped = order_lobes(&f->model, &at, h->lobe);
     if (curved != all || swapped) {
         brdffit_fit_evaluate(f, &at, 1, &value);
     }
     coefficients(f, &at);
-    lobe_shares(f, result);
-    certificate(f, found, value.objective, objective_scale, o, result);
-    result->rms_total = sqrt(sum_of_squares(f) / ((double)f->data.channels * f->data.weight_sum)) *
-                        (o->normalise == BRDFFIT_NORMALISE_NONE ? f->data.channel_scale[0] : 1.0) * f->data.value_scale;
-    result->kkt_residual = value.kkt;
-    publish(f, o, result);
+    lobe_shares(f, h->lobe);
+    certificate(f, found, value.objective, objective_scale, o, &h->result);
+    h->result.rms_total = sqrt(sum_of_squares(f) / ((double)f->data.channels * f->data.weight_sum)) *
+                          (o->normalise == BRDFFIT_NORMALISE_NONE ? f->data.channel_scale[0] : 1.0) *
+                          f->data.value_scale;
+    h->result.kkt_residual = value.kkt;
+    publish_model(f, o);
+    publish(f, o);
 }

@@ -14,7 +14,7 @@
 #include "base/error.h"
 #include "model/geometry.h"
 
-struct reproof {
+struct verifier {
     struct fit *fit;
     struct engine engine; /* socp */
     double level;
@@ -22,7 +22,7 @@ struct reproof {
     size_t leaves;
 };
 
-static double length(const struct reproof *r, int kind, uint32_t interval)
+static double length(const struct verifier *r, int kind, uint32_t interval)
 {
     const struct axis *axis = &r->fit->axis[kind];
     const struct axis_interval *i = &axis->interval[interval];
@@ -31,7 +31,7 @@ static double length(const struct reproof *r, int kind, uint32_t interval)
     return extent > 0.0 ? axis->coordinate[i->high] - axis->coordinate[i->low] : 1.0;
 }
 
-static double measure(const struct reproof *r, const struct box *box)
+static double measure(const struct verifier *r, const struct box *box)
 {
     const struct model *model = &r->fit->model;
     double product = 1.0;
@@ -48,7 +48,7 @@ static double measure(const struct reproof *r, const struct box *box)
 
 static double bound(void *self, struct box *box, struct point *met)
 {
-    struct reproof *r = self;
+    struct verifier *r = self;
 
     box->bound = r->level;
     (void)r->engine.bound(r->engine.self, box, met);
@@ -61,7 +61,7 @@ static double bound(void *self, struct box *box, struct point *met)
 
 static double try_point(void *self, struct point *point)
 {
-    const struct reproof *r = self;
+    const struct verifier *r = self;
 
     (void)point;
     return r->level;
@@ -69,7 +69,7 @@ static double try_point(void *self, struct point *point)
 
 static double width(void *self, int kind, uint32_t interval)
 {
-    const struct reproof *r = self;
+    const struct verifier *r = self;
 
     return r->engine.width(r->engine.self, kind, interval);
 }
@@ -87,9 +87,10 @@ static double measure_of_domain(const struct fit *f)
     return product;
 }
 
-static void reprove(struct fit *f, const brdffit_options *o, struct search_rules *rules, struct reproof *r,
-                    brdffit_reproof *reproof)
+static void verify(struct fit *f, const brdffit_options *o, struct search_rules *rules, struct verifier *r,
+                   double level)
 {
+    brdffit_verification *out = &f->handout->verification;
     double scale = brdffit_fit_scale(&f->data, o);
     struct engine engine;
     struct search_result found;
@@ -98,7 +99,7 @@ static void reprove(struct fit *f, const brdffit_options *o, struct search_rules
     r->leaves = 0;
     r->proven = 0.0;
     r->whole = measure_of_domain(f);
-    r->level = reproof->level / scale;
+    r->level = level / scale;
     engine.self = r;
     engine.sides = r->engine.sides;
     engine.bound = bound;
@@ -108,33 +109,30 @@ static void reprove(struct fit *f, const brdffit_options *o, struct search_rules
     engine.noise = 0.0;
     rules->relative_gap = rules->absolute_gap = 0.0;
     brdffit_search(f->axis, &f->heap, &engine, rules, &found);
-    reproof->proven = found.lower_bound >= r->level;
-    reproof->stop = found.stop;
-    reproof->boxes = found.boxes;
-    reproof->leaves = r->leaves;
-    reproof->solved = f->socp.solved;
-    reproof->refused = f->socp.refused;
-    reproof->decided = f->socp.decided;
-    reproof->unproven = reproof->proven ? 0.0 : fmax(0.0, 1.0 - r->proven / r->whole);
+    out->level = level;
+    out->proven = found.lower_bound >= r->level;
+    out->stop = found.stop;
+    out->boxes = found.boxes;
+    out->leaves = r->leaves;
+    out->solved = f->socp.solved;
+    out->refused = f->socp.refused;
+    out->decided = f->socp.decided;
+    out->unproven = out->proven ? 0.0 : fmax(0.0, 1.0 - r->proven / r->whole);
 }
 
 brdffit_status brdffit_verify_run(const brdffit_samples *samples, const brdffit_options *options, double level,
-                                  void *workspace, size_t workspace_size, brdffit_reproof *reproof,
+                                  void *workspace, size_t workspace_size, const brdffit_verification **verification,
                                   brdffit_error *error)
 {
-    static const brdffit_reproof zero;
     struct search_rules rules;
-    struct reproof state;
-    brdffit_options o;
-    brdffit_status status;
+    struct verifier state;
+    brdffit_options o = *options;
+    brdffit_status status = brdffit_options_check(&o, error);
     struct fit fit;
 
-    brdffit_options_init(&o);
-    status = options ? brdffit_options_check(options, error) : BRDFFIT_OK;
     if (status != BRDFFIT_OK) {
         return status;
     }
-    o = options ? *options : o;
     if (!(level > 0.0 && isfinite(level))) {
         return brdffit_fail_at(error, "the level to prove must be positive and finite", BRDFFIT_NONE, BRDFFIT_NONE,
                                level);
@@ -143,16 +141,15 @@ brdffit_status brdffit_verify_run(const brdffit_samples *samples, const brdffit_
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "only norm l2 can be verified by engine socp");
     }
     o.engine = BRDFFIT_ENGINE_SOCP;
-    status = brdffit_fit_open(&fit, samples, &o, workspace, workspace_size, reproof, error);
+    status = brdffit_fit_open(&fit, samples, &o, workspace, workspace_size, verification, error);
     if (status == BRDFFIT_OK) {
         status = brdffit_fit_start(&fit, &o, &state.engine, &rules, error);
     }
     if (status != BRDFFIT_OK) {
         return status;
     }
-    *reproof = zero;
-    reproof->level = level;
-    reprove(&fit, &o, &rules, &state, reproof);
+    verify(&fit, &o, &rules, &state, level);
     brdffit_fit_engine_finish(&fit, &o);
+    *verification = &fit.handout->verification;
     return BRDFFIT_OK;
 }

@@ -4,18 +4,20 @@
 #include "io/options.h"
 
 #include <math.h>
-#include <string.h>
 
+#include "base/intake.h"
 #include "io/fail.h"
 
-void brdffit_io_options_init(brdffit_io_options *options)
+void brdffit_io_options_init_sized(brdffit_io_options *options, size_t struct_size)
 {
-    memset(options, 0, sizeof *options);
-    options->struct_size = sizeof *options;
-    options->format = BRDFFIT_IO_FORMAT_AUTO;
-    options->quantity = BRDFFIT_QUANTITY_BRDF;
-    options->merl_bins = BRDFFIT_IO_MERL_EDGE;
-    options->merl_sampling = BRDFFIT_IO_MERL_TABLE;
+    static const brdffit_io_options defaults = {
+        .format = BRDFFIT_IO_FORMAT_AUTO,
+        .quantity = BRDFFIT_QUANTITY_BRDF,
+        .merl_bins = BRDFFIT_IO_MERL_EDGE,
+        .merl_sampling = BRDFFIT_IO_MERL_TABLE,
+    };
+
+    intake_init(options, struct_size, &defaults, sizeof defaults);
 }
 
 const char *brdffit_io_drop_string(brdffit_io_drop reason)
@@ -63,15 +65,24 @@ static brdffit_status direction_check(const brdffit_samples *at, size_t i, brdff
     return status;
 }
 
-static brdffit_status directions_check(const brdffit_samples *at, brdffit_error *error)
+int brdffit_io_directions(const brdffit_io_options *options, brdffit_samples *own)
 {
+    brdffit_samples_init(own);
+    return intake(own, sizeof *own, INTAKE_LEAST(brdffit_samples, weights), options->directions);
+}
+
+static brdffit_status directions_check(const brdffit_io_options *options, brdffit_error *error)
+{
+    brdffit_samples known;
+    const brdffit_samples *at = &known;
     size_t i;
 
-    if (!at) {
+    if (!options->directions) {
         return brdffit_io_fail(error, BRDFFIT_ERR_ARGUMENT, "MERL sampling by directions without directions");
     }
-    if (at->struct_size != sizeof *at) {
-        return brdffit_io_fail(error, BRDFFIT_ERR_ARGUMENT, "directions: a struct of another version's size");
+    if (!brdffit_io_directions(options, &known)) {
+        return brdffit_io_fail(error, BRDFFIT_ERR_ARGUMENT,
+                               "directions: without their struct_size, or asking for what this version does not know");
     }
     if (at->form != BRDFFIT_FORM_DIRECTIONS || !at->light || !at->view) {
         return brdffit_io_fail(error, BRDFFIT_ERR_ARGUMENT, "directions: must be given as light and view vectors");
@@ -95,10 +106,11 @@ brdffit_status brdffit_io_options_check(const brdffit_io_options *given, brdffit
     if (!given) {
         return BRDFFIT_OK;
     }
-    if (given->struct_size != sizeof *given) {
-        return brdffit_io_fail(error, BRDFFIT_ERR_ARGUMENT, "reader options: a struct of another version's size");
+    if (!intake(out, sizeof *out, INTAKE_LEAST(brdffit_io_options, directions), given)) {
+        return brdffit_io_fail(
+            error, BRDFFIT_ERR_ARGUMENT,
+            "reader options: without their struct_size, or asking for what this version does not know");
     }
-    *out = *given;
     if ((unsigned)out->format > BRDFFIT_IO_FORMAT_MERL) {
         return brdffit_io_fail(error, BRDFFIT_ERR_OPTION, "unknown file format");
     }
@@ -111,5 +123,5 @@ brdffit_status brdffit_io_options_check(const brdffit_io_options *given, brdffit
     if ((unsigned)out->merl_sampling > BRDFFIT_IO_MERL_DIRECTIONS) {
         return brdffit_io_fail(error, BRDFFIT_ERR_OPTION, "unknown sampling of MERL tables");
     }
-    return out->merl_sampling == BRDFFIT_IO_MERL_DIRECTIONS ? directions_check(out->directions, error) : BRDFFIT_OK;
+    return out->merl_sampling == BRDFFIT_IO_MERL_DIRECTIONS ? directions_check(out, error) : BRDFFIT_OK;
 }

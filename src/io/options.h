@@ -9,4 +9,7 @@
 /* Copy `given` (NULL: the defaults) to `out` after checking every field, the directions' vectors included. */
 brdffit_status brdffit_io_options_check(const brdffit_io_options *given, brdffit_io_options *out, brdffit_error *error);
 
+/* The samples that options->directions points to, as this version knows them; 0 when it does not. */
+int brdffit_io_directions(const brdffit_io_options *options, brdffit_samples *own);
+
 #endif

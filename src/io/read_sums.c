@@ -5,6 +5,7 @@
 
 #include "io/bytes/bytes.h"
 #include "base/environment.h"
+#include "base/intake.h"
 #include "io/fail.h"
 #include "io/bytes/gzip.h"
 #include "io/limits.h"
@@ -21,11 +22,18 @@ static int is_merl(const unsigned char *data, size_t size)
     return brdffit_io_merl_open(data, size, &merl, NULL) == BRDFFIT_OK;
 }
 
+/* The options of the fit, NULL for the defaults; 0 when they cannot be understood. */
+static int take_fit(const brdffit_options *fit, brdffit_options *own)
+{
+    brdffit_options_init(own);
+    return !fit || intake(own, sizeof *own, INTAKE_LEAST(brdffit_options, box_user), fit);
+}
+
 /* Whether a MERL table would be fitted from sums. */
 static int wants_sums(const brdffit_io_options *io, const brdffit_options *fit)
 {
-    return io->format != BRDFFIT_IO_FORMAT_CSV && io->merl_sampling == BRDFFIT_IO_MERL_TABLE && fit &&
-           fit->struct_size == sizeof *fit && fit->norm == BRDFFIT_NORM_L2 && fit->engine == BRDFFIT_ENGINE_MOMENT &&
+    return io->format != BRDFFIT_IO_FORMAT_CSV && io->merl_sampling == BRDFFIT_IO_MERL_TABLE &&
+           fit->norm == BRDFFIT_NORM_L2 && fit->engine == BRDFFIT_ENGINE_MOMENT &&
            fit->distribution != BRDFFIT_LAFORTUNE;
 }
 
@@ -52,6 +60,8 @@ ENVIRONMENT_APART static brdffit_status samples_again(brdffit_table *table, brdf
         swap = *whole;
         *whole = *again;
         *again = swap;
+        brdffit_io_table_connect(whole);
+        brdffit_io_table_connect(again);
     }
     brdffit_io_free(&again->open);
     return status;
@@ -137,26 +147,22 @@ ENVIRONMENT_APART static brdffit_status read_sums(const char *path, const brdffi
 {
     struct io_bytes none = {NULL, 0, 0};
     brdffit_io_options checked;
-    brdffit_options defaults;
+    brdffit_options known;
     struct io_map map;
 
-    if (!fit) {
-        brdffit_options_init(&defaults);
-        fit = &defaults;
-    }
-    if (!table || !path || brdffit_io_options_check(options, &checked, NULL) != BRDFFIT_OK ||
-        !wants_sums(&checked, fit)) {
+    if (!table || !path || !take_fit(fit, &known) || brdffit_io_options_check(options, &checked, NULL) != BRDFFIT_OK ||
+        !wants_sums(&checked, &known)) {
         return brdffit_io_read(path, options, table, error);
     }
     *table = NULL;
     if (!brdffit_io_map(path, IO_LIMIT_BYTES, &map)) {
-        return read_content(path, &checked, fit, table, error);
+        return read_content(path, &checked, &known, table, error);
     }
     if (is_merl(map.data, map.size)) {
-        return sum_content(&map, &none, &checked, fit, table, error);
+        return sum_content(&map, &none, &checked, &known, table, error);
     }
     brdffit_io_unmap(&map);
-    return read_content(path, &checked, fit, table, error);
+    return read_content(path, &checked, &known, table, error);
 }
 
 ENVIRONMENT_APART static brdffit_status read_sums_memory(const void *data, size_t size,
@@ -166,19 +172,15 @@ ENVIRONMENT_APART static brdffit_status read_sums_memory(const void *data, size_
     struct io_map map = {data, size, 1};
     struct io_bytes none = {NULL, 0, 0};
     brdffit_io_options checked;
-    brdffit_options defaults;
+    brdffit_options known;
 
-    if (!fit) {
-        brdffit_options_init(&defaults);
-        fit = &defaults;
-    }
-    if (!table || !data || size > IO_LIMIT_BYTES || brdffit_io_options_check(options, &checked, NULL) != BRDFFIT_OK ||
-        !wants_sums(&checked, fit)) {
+    if (!table || !data || size > IO_LIMIT_BYTES || !take_fit(fit, &known) ||
+        brdffit_io_options_check(options, &checked, NULL) != BRDFFIT_OK || !wants_sums(&checked, &known)) {
         return brdffit_io_read_memory(data, size, options, table, error);
     }
     *table = NULL;
-    return is_merl(data, size) ? sum_content(&map, &none, &checked, fit, table, error)
-                               : sum_bytes(&none, data, size, &checked, fit, table, error);
+    return is_merl(data, size) ? sum_content(&map, &none, &checked, &known, table, error)
+                               : sum_bytes(&none, data, size, &checked, &known, table, error);
 }
 
 brdffit_status brdffit_io_read_sums(const char *path, const brdffit_io_options *options, const brdffit_options *fit,

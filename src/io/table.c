@@ -6,14 +6,22 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/intake.h"
 #include "io/bytes/memory.h"
+
+void brdffit_io_table_connect(struct io_table *table)
+{
+    table->open.samples = &table->samples;
+    table->open.dropped = table->dropped;
+}
 
 struct io_table *brdffit_io_table_new(void)
 {
     struct io_table *table = brdffit_io_alloc_zero(1, sizeof *table);
 
     if (table) {
-        brdffit_samples_init(&table->open.samples);
+        brdffit_samples_init_sized(&table->samples, INTAKE_LEAST(brdffit_samples, weights));
+        brdffit_io_table_connect(table);
     }
     return table;
 }
@@ -24,7 +32,7 @@ int brdffit_io_table_channels(struct io_table *table, size_t channels)
     if (!table->open.channel_names) {
         return 0;
     }
-    table->open.samples.channels = channels;
+    table->samples.channels = channels;
     table->width[IO_VALUES] = channels;
     return 1;
 }
@@ -78,7 +86,7 @@ int brdffit_io_table_reserve(struct io_table *table, size_t rows)
 
 void brdffit_io_table_publish(struct io_table *table)
 {
-    brdffit_samples *samples = &table->open.samples;
+    brdffit_samples *samples = &table->samples;
 
     samples->light = table->array[IO_LIGHT];
     samples->view = table->array[IO_VIEW];
@@ -114,7 +122,7 @@ void brdffit_io_free(brdffit_table *table)
     for (i = 0; i < IO_ARRAY_COUNT; i++) {
         brdffit_io_release(whole->array[i]);
     }
-    for (i = 0; table->channel_names && i < table->samples.channels; i++) {
+    for (i = 0; table->channel_names && i < whole->samples.channels; i++) {
         brdffit_io_release(table->channel_names[i]);
     }
     brdffit_io_table_drop_sums(whole);

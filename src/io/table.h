@@ -27,6 +27,8 @@ enum io_array {
 /* `open` comes first: a pointer to it is a pointer to the whole. */
 struct io_table {
     brdffit_table open;
+    brdffit_samples samples; /* of open.samples, and so on */
+    size_t dropped[BRDFFIT_IO_DROP_COUNT];
     double *array[IO_ARRAY_COUNT];
     size_t width[IO_ARRAY_COUNT]; /* doubles a sample; 0: not in use */
     int with_lines;
@@ -40,6 +42,9 @@ struct io_table {
 
 /* Empty, everything zero. NULL: no memory. Released by brdffit_io_free(&table->open). */
 struct io_table *brdffit_io_table_new(void);
+
+/* Let open.* point to what the table holds: after it was copied. */
+void brdffit_io_table_connect(struct io_table *table);
 
 /* Room for the names of that many channels, all NULL; sets samples.channels and the width of the values.
  * 0: no memory. */

@@ -15,19 +15,8 @@
 #include "base/tolerance.h"
 #include "base/vector.h"
 
-void brdffit_samples_init(brdffit_samples *samples)
-{
-    static const brdffit_samples zero;
-
-    *samples = zero;
-    samples->struct_size = sizeof *samples;
-}
-
 brdffit_status brdffit_geometry_check(const brdffit_samples *s, int need_values, brdffit_error *error)
 {
-    if (!s || s->struct_size != sizeof *s) {
-        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples: NULL or of another version's size");
-    }
     if (s->quantity != BRDFFIT_QUANTITY_BRDF && s->quantity != BRDFFIT_QUANTITY_RADIANCE) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples: unknown quantity");
     }

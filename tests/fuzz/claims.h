@@ -72,7 +72,7 @@ static inline void claim_form(const brdffit_samples *s)
 
 static inline void claim_counts(const brdffit_table *table)
 {
-    const brdffit_samples *s = &table->samples;
+    const brdffit_samples *s = table->samples;
     size_t i, negative = 0, dropped = 0;
 
     for (i = 0; i < BRDFFIT_IO_DROP_COUNT; i++) {
@@ -106,7 +106,7 @@ static inline void claim_all(brdffit_status status, brdffit_table *table, const 
         return;
     }
     CLAIM(table);
-    s = &table->samples;
+    s = table->samples;
     CLAIM(s->struct_size == sizeof *s && s->count > 0 && s->channels > 0 && s->values);
     CLAIM(table->format == BRDFFIT_IO_FORMAT_CSV || table->format == BRDFFIT_IO_FORMAT_MERL);
     CLAIM((table->format == BRDFFIT_IO_FORMAT_CSV) == (table->lines != NULL));

@@ -39,13 +39,13 @@ static void sum_as(const uint8_t *data, size_t size, const brdffit_io_options *o
         claim_all(status, sums, &other);
         return;
     }
-    CLAIM(sums->samples.count == table->samples.count && sums->compressed == table->compressed);
+    CLAIM(sums->samples->count == table->samples->count && sums->compressed == table->compressed);
     for (i = 0; i < BRDFFIT_IO_DROP_COUNT; i++) {
         CLAIM(sums->dropped[i] == table->dropped[i]);
     }
     CLAIM(brdffit_io_samples(sums, &other) == BRDFFIT_OK && !sums->sums);
-    CLAIM(memcmp(sums->samples.values, table->samples.values,
-                 sums->samples.count * sums->samples.channels * sizeof(double)) == 0);
+    CLAIM(memcmp(sums->samples->values, table->samples->values,
+                 sums->samples->count * sums->samples->channels * sizeof(double)) == 0);
     brdffit_io_free(table);
     claim_all(status, sums, &other);
 }

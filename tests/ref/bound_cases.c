@@ -100,7 +100,7 @@ static void write_problem(uint64_t seed, int boxes)
     struct bound_case c;
     brdffit_options options;
     brdffit_samples samples;
-    brdffit_result result;
+    const brdffit_result *result;
     struct arena arena;
     struct fit fit;
     uint64_t s = seed;
@@ -114,8 +114,8 @@ static void write_problem(uint64_t seed, int boxes)
     if (!workspace || brdffit_fit(&samples, &options, workspace, size, &result, NULL) != BRDFFIT_OK) {
         exit(1);
     }
-    near[0] = -2.0 * log(result.model.sigma[c.lobes - 1]);
-    near[1] = -2.0 * log(result.model.sigma[0]);
+    near[0] = -2.0 * log(result->model->sigma[c.lobes - 1]);
+    near[1] = -2.0 * log(result->model->sigma[0]);
     brdffit_arena_init(&arena, workspace, size);
     brdffit_fit_layout(&fit, &arena, c.count, c.channels, &options);
     if (brdffit_reduce(&fit.data, &samples, &options, NULL) != BRDFFIT_OK) {

@@ -47,14 +47,14 @@ static void print(const brdffit_result *r, const brdffit_options *o, double seco
     printf("{\"engine\": \"%s\", \"norm\": \"%s\", \"lobes\": %d, \"e2\": %.17g, \"lower_bound\": %.17g, ",
            brdffit_engine_string(o->engine), brdffit_norm_string(o->norm), o->lobes, r->e2, r->lower_bound);
     printf("\"sum_of_squares\": %.17g, \"rms_total\": %.17g, \"sigma\": [%.17g%s", r->sum_of_squares, r->rms_total,
-           r->model.sigma[0], o->lobes > 1 ? ", " : "");
+           r->model->sigma[0], o->lobes > 1 ? ", " : "");
     if (o->lobes > 1) {
-        printf("%.17g", r->model.sigma[1]);
+        printf("%.17g", r->model->sigma[1]);
     }
     printf("], \"stop\": \"%s\", \"certified\": %s, \"boxes\": %zu, \"solved\": %zu, \"refused\": %zu, "
            "\"decided\": %zu, \"seconds\": %.6g, \"levels\": [",
-           brdffit_stop_string(r->stop), r->certified ? "true" : "false", r->boxes, r->socp_solved, r->socp_refused,
-           r->socp_decided, seconds);
+           brdffit_stop_string(r->stop), r->certified ? "true" : "false", r->boxes, r->programs_solved,
+           r->programs_refused, r->programs_decided, seconds);
     for (j = 0; j <= last; j++) {
         printf("%s%zu", j ? ", " : "", count->level[j]);
     }
@@ -67,7 +67,7 @@ static int run(const char *path, brdffit_options *o)
     struct count count = {{0}};
     brdffit_io_options io;
     brdffit_table *table = NULL;
-    brdffit_result *result = NULL;
+    const brdffit_result *result = NULL;
     brdffit_error error;
     double begun;
     int good;
@@ -78,13 +78,13 @@ static int run(const char *path, brdffit_options *o)
     o->box_user = &count;
     good = brdffit_io_read(path, &io, &table, &error) == BRDFFIT_OK;
     begun = now();
-    good = good && brdffit_fit_new(&table->samples, o, &result, &error) == BRDFFIT_OK;
+    good = good && brdffit_fit_new(table->samples, o, &result, &error) == BRDFFIT_OK;
     if (good) {
         print(result, o, now() - begun, &count);
     } else {
         fprintf(stderr, "bench_boxes: %s: %s\n", path, error.message);
     }
-    brdffit_fit_free(result);
+    brdffit_result_free(result);
     brdffit_io_free(table);
     return good;
 }

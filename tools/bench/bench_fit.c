@@ -80,7 +80,7 @@ static int time_fit(const struct settings *s, const char *file, const brdffit_sa
 {
     static double reduce[MOST_REPEATS], search[MOST_REPEATS];
     brdffit_options options;
-    brdffit_result result;
+    const brdffit_result *result;
     brdffit_error error;
     double reduced = 0.0;
     size_t size;
@@ -106,18 +106,18 @@ static int time_fit(const struct settings *s, const char *file, const brdffit_sa
         search[i] = now() - reduced;
         reduce[i] = reduced - start;
     }
-    free(workspace); /* only arrays of the result lived there, and they are not read */
     if (good) {
         run->reduce = median(reduce, s->repeat);
         run->search = median(search, s->repeat);
-        run->e2 = result.e2;
-        run->lower_bound = result.lower_bound;
-        memcpy(run->sigma, result.model.sigma, sizeof run->sigma);
-        run->boxes = result.boxes;
-        run->nodes = result.nodes;
-        run->samples = result.samples_used;
-        run->certified = result.certified;
+        run->e2 = result->e2;
+        run->lower_bound = result->lower_bound;
+        memcpy(run->sigma, result->model->sigma, (size_t)lobes * sizeof *run->sigma);
+        run->boxes = result->boxes;
+        run->nodes = result->nodes;
+        run->samples = result->samples_used;
+        run->certified = result->certified;
     }
+    free(workspace);
     return good;
 }
 
@@ -291,7 +291,7 @@ static int bench(const struct settings *s, int lobes)
 
         run[i].brute_e2 = -1.0;
         good = brdffit_io_read(s->file[i], NULL, &table, &error) == BRDFFIT_OK || fail(s->file[i], &error);
-        good = good && time_fit(s, s->file[i], &table->samples, lobes, &run[i]);
+        good = good && time_fit(s, s->file[i], table->samples, lobes, &run[i]);
         brdffit_io_free(table);
     }
     if (good && s->step[lobes - 1]) {

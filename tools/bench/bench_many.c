@@ -88,22 +88,23 @@ static void make_geometry(double *light, double *view)
 /* Radiance of texel (u, v) in [0, 1]^2, sample by sample. */
 static int render(const struct settings *s, const brdffit_samples *at, double u, double v, double *out)
 {
-    double wave = 0.5 + 0.5 * sin(2.0 * PI * (1.5 * u + 0.5 * v)), x[CHANNELS], y[CHANNELS * 2];
+    double wave = 0.5 + 0.5 * sin(2.0 * PI * (1.5 * u + 0.5 * v)), x[CHANNELS], y[CHANNELS * 2], sigma[2];
     brdffit_model model;
     size_t k;
     int p;
 
-    memset(&model, 0, sizeof model);
+    brdffit_model_init(&model);
+    model.sigma = sigma;
     model.lobes = s->lobes;
     model.channels = CHANNELS;
     model.x = x;
     model.y = y;
-    model.sigma[0] = 0.08 * pow(4.0, u);
-    model.sigma[1] = model.sigma[0] * (1.5 + 2.0 * v);
+    sigma[0] = 0.08 * pow(4.0, u);
+    sigma[1] = sigma[0] * (1.5 + 2.0 * v);
     for (k = 0; k < CHANNELS; k++) {
         x[k] = (0.05 + 0.4 * v) * (1.0 - 0.25 * (double)k * wave);
         for (p = 0; p < s->lobes; p++) {
-            y[k * (size_t)s->lobes + (size_t)p] = (0.02 + 0.08 * wave) * model.sigma[p] * (1.0 + 0.2 * (double)k * u);
+            y[k * (size_t)s->lobes + (size_t)p] = (0.02 + 0.08 * wave) * sigma[p] * (1.0 + 0.2 * (double)k * u);
         }
     }
     return brdffit_eval(&model, at, out, NULL) == BRDFFIT_OK;
@@ -165,7 +166,7 @@ static int check(const struct settings *s, const brdffit_samples *geometry, cons
     run->worst = 0.0;
     for (c = 0; c < s->check; c++) {
         size_t t = (c * 7919) % n;
-        brdffit_result *result;
+        const brdffit_result *result;
         brdffit_error error;
 
         for (i = 0; i < SAMPLES; i++) {
@@ -179,7 +180,7 @@ static int check(const struct settings *s, const brdffit_samples *geometry, cons
             return fail(&error);
         }
         run->worst = fmax(run->worst, result->e2 > 0.0 ? e2[t] / result->e2 - 1.0 : 0.0);
-        brdffit_fit_free(result);
+        brdffit_result_free(result);
     }
     return 1;
 }

@@ -121,7 +121,7 @@ static struct parts parts_of(const char *file, int lobes)
     double start = now(), read, reduced = 0.0, end;
     brdffit_options options;
     brdffit_table *table = NULL;
-    brdffit_result result;
+    const brdffit_result *result;
     brdffit_error error = {0};
     struct parts parts;
     void *workspace;
@@ -251,7 +251,7 @@ static void scale_sums(const struct settings *s, size_t n, int scattered)
     brdffit_sums *sums = NULL;
     brdffit_options options;
     brdffit_error error = {0};
-    brdffit_result result = {0};
+    const brdffit_result *result = NULL;
     void *block = memory(size), *workspace;
     double adding = 0.0;
     int i;
@@ -290,8 +290,8 @@ static void scale_sums(const struct settings *s, size_t n, int scattered)
     printf("%10zu samples, %s: added in %.3g s (%.0f ns each), fitted in %.3f ms; %.1f MB of sums\n", n,
            shown[scattered], adding, 1e9 * adding / (double)n, 1e3 * median(fits, s->repeat), (double)size / 1e6);
     if (scattered == 2) {
-        printf("%28s%zu bins; E^2 to %.1e of itself, gap %.1e, %s\n", "", result.distinct_c,
-               result.e2_error / result.e2, result.gap / result.e2, brdffit_stop_string(result.stop));
+        printf("%28s%zu bins; E^2 to %.1e of itself, gap %.1e, %s\n", "", result->distinct_c,
+               result->e2_error / result->e2, result->gap / result->e2, brdffit_stop_string(result->stop));
     }
     record(s, add[scattered], "", 2, n, adding);
     record(s, fit[scattered], "", 2, n, median(fits, s->repeat));

@@ -28,10 +28,10 @@ static int at_progress(void *user, const brdffit_progress *progress)
 /* Medians of repeated fits in one workspace. 0 when the library refuses. */
 static int fit(const struct curves_task *task, brdffit_options *options, double patience, struct curves_row *row)
 {
-    const brdffit_samples *samples = &task->table->samples;
+    const brdffit_samples *samples = task->table->samples;
     double whole[CURVES_MOST_REPEATS], search[CURVES_MOST_REPEATS], spent = 0.0;
     struct watch watch = {0.0, 0.0, patience};
-    brdffit_result result;
+    const brdffit_result *result;
     brdffit_error error;
     size_t size;
     void *workspace;
@@ -55,11 +55,11 @@ static int fit(const struct curves_task *task, brdffit_options *options, double 
     if (good) {
         row->seconds = curves_median(whole, done);
         row->search = curves_median(search, done);
-        row->e2 = result.e2;
-        row->lower_bound = result.lower_bound;
-        row->certified = result.certified;
-        row->work = (double)result.boxes;
-        row->nodes = (double)result.nodes;
+        row->e2 = result->e2;
+        row->lower_bound = result->lower_bound;
+        row->certified = result->certified;
+        row->work = (double)result->boxes;
+        row->nodes = (double)result->nodes;
     } else {
         fprintf(stderr, "curves: %s: %s\n", task->file, workspace ? error.message : "out of memory");
     }

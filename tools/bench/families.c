@@ -96,7 +96,7 @@ static void directions(double angle[SAMPLES][4], double light[SAMPLES][3], doubl
 static int write_member(const char *path, const struct member *m, struct gonio_random *random)
 {
     static double angle[SAMPLES][4], light[SAMPLES][3], view[SAMPLES][3], value[SAMPLES][CHANNELS];
-    brdffit_model model = {.distribution = BRDFFIT_BECKMANN, .lobes = 2, .channels = CHANNELS, .x = m->x, .y = m->y};
+    brdffit_model model;
     brdffit_samples at;
     FILE *file = fopen(path, "w");
     int i, k;
@@ -110,7 +110,12 @@ static int write_member(const char *path, const struct member *m, struct gonio_r
     at.channels = CHANNELS;
     at.light = light[0];
     at.view = view[0];
-    memcpy(model.sigma, m->sigma, sizeof m->sigma);
+    brdffit_model_init(&model);
+    model.lobes = 2;
+    model.channels = CHANNELS;
+    model.sigma = m->sigma;
+    model.x = m->x;
+    model.y = m->y;
     if (brdffit_eval(&model, &at, value[0], NULL) != BRDFFIT_OK) {
         fclose(file);
         return 0;

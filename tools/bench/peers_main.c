@@ -89,7 +89,7 @@ static int certify(const char *path, int lobes, struct peers_outcome *o)
     brdffit_io_options io;
     brdffit_options options;
     brdffit_table *table = NULL;
-    brdffit_result *result = NULL;
+    const brdffit_result *result = NULL;
     brdffit_error error;
     int good;
 
@@ -99,7 +99,7 @@ static int certify(const char *path, int lobes, struct peers_outcome *o)
     options.lobes = lobes;
     options.relative_gap = REACHED;
     good = brdffit_io_read(path, &io, &table, &error) == BRDFFIT_OK &&
-           brdffit_fit_new(&table->samples, &options, &result, &error) == BRDFFIT_OK;
+           brdffit_fit_new(table->samples, &options, &result, &error) == BRDFFIT_OK;
     if (good) {
         o->certified_e2 = result->e2;
         o->lower_bound = result->lower_bound;
@@ -110,7 +110,7 @@ static int certify(const char *path, int lobes, struct peers_outcome *o)
     } else {
         fprintf(stderr, "peers: %s: %s\n", path, error.message);
     }
-    brdffit_fit_free(result);
+    brdffit_result_free(result);
     brdffit_io_free(table);
     return good;
 }

@@ -181,7 +181,7 @@ int peers_problem_read(const char *path, struct peers_problem *problem, const ch
         *message = error.message;
         return 0;
     }
-    *message = take(&table->samples, problem);
+    *message = take(table->samples, problem);
     brdffit_io_free(table);
     return !*message;
 }

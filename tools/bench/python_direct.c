@@ -178,14 +178,14 @@ int direct_fit(const brdffit_samples *samples, int lobes, size_t times, double *
 {
     for (size_t i = 0; i < times; i++) {
         brdffit_options options;
-        brdffit_result *result;
+        const brdffit_result *result;
         brdffit_options_init(&options);
         options.lobes = lobes;
         if (brdffit_fit_new(samples, &options, &result, NULL) != BRDFFIT_OK) {
             return 0;
         }
         *e2 = result->e2;
-        brdffit_fit_free(result);
+        brdffit_result_free(result);
     }
     return 1;
 }

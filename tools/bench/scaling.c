@@ -90,7 +90,7 @@ static int run(const struct settings *s)
     double *a = malloc(s->samples * (3 + s->channels) * sizeof *a), reduced = 0.0;
     brdffit_samples samples;
     brdffit_options options;
-    brdffit_result result;
+    const brdffit_result *result;
     brdffit_error error;
     void *workspace;
     size_t size;
@@ -133,8 +133,8 @@ static int run(const struct settings *s)
     qsort(search, (size_t)s->repeat, sizeof *search, compare);
     printf("samples,channels,lobes,gap,seconds,search,boxes,nodes,certified,distinct_c,data_kib,peak_kib\n"
            "%zu,%zu,%d,%g,%.9g,%.9g,%zu,%zu,%d,%zu,%ld,%ld\n",
-           s->samples, s->channels, s->lobes, s->gap, whole[s->repeat / 2], search[s->repeat / 2], result.boxes,
-           result.nodes, result.certified, result.distinct_c, data, peak_kilobytes());
+           s->samples, s->channels, s->lobes, s->gap, whole[s->repeat / 2], search[s->repeat / 2], result->boxes,
+           result->nodes, result->certified, result->distinct_c, data, peak_kilobytes());
     free(workspace);
     free(a);
     return 1;

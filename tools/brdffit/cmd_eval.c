@@ -71,7 +71,7 @@ static void print_figures(const struct cli_comparison *c, const struct cli_figur
     const double rounding = fit->norm == BRDFFIT_NORM_L2 ? ROUNDING : sqrt(ROUNDING);
     struct cli_text text = {0};
     brdffit_cli_text_printf(&text, "%zu of %zu samples: %s %.15g here, %.15g in fit %zu; RMS", figures->used,
-                            c->table->samples.count, objective, figures->e2, fit->e2, fit->line);
+                            c->table->samples->count, objective, figures->e2, fit->e2, fit->line);
     for (size_t k = 0; k < fit->model.channels; k++) {
         brdffit_cli_text_puts(&text, k == 0 ? " " : ", ");
         brdffit_cli_name(&text, style, c->table->channel_names[c->measured[k]]);
@@ -88,7 +88,7 @@ static void print_figures(const struct cli_comparison *c, const struct cli_figur
 static int evaluate(const struct cli_settings *settings, struct cli_comparison *c, double *fitted, double *rms)
 {
     brdffit_error error = {0};
-    const brdffit_status status = brdffit_eval(&c->fit->model, &c->table->samples, fitted, &error);
+    const brdffit_status status = brdffit_eval(&c->fit->model, c->table->samples, fitted, &error);
     if (status != BRDFFIT_OK) {
         brdffit_cli_report_error(settings->files[1], &error, c->table, 0);
         return brdffit_cli_status_exit(status);
@@ -128,7 +128,7 @@ static int run_eval(const struct cli_settings *settings)
         code = read_table(settings, &fit, file, &table);
     }
     if (code == 0) {
-        const size_t channels = fit.model.channels, count = table->samples.count;
+        const size_t channels = fit.model.channels, count = table->samples->count;
         struct cli_comparison c = {&fit, table, NULL, calloc(channels, sizeof *c.measured), 0};
         double *const rms = calloc(channels, sizeof *rms);
         double *const fitted = calloc(count > 0 ? count : 1, channels * sizeof *fitted);

@@ -55,7 +55,7 @@ static void count_job(struct run *r, const struct cli_job *job, size_t index)
     } else if (job->status != BRDFFIT_OK) {
         r->failed++;
         r->bad[index] = 1;
-    } else if (job->result.certified) {
+    } else if (job->result->certified) {
         r->certified++;
     } else {
         r->open++;

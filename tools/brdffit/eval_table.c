@@ -21,7 +21,7 @@ void brdffit_cli_match_channels(struct cli_comparison *comparison)
 {
     const struct cli_fit *const fit = comparison->fit;
     const brdffit_table *const table = comparison->table;
-    const size_t channels = table->samples.channels;
+    const size_t channels = table->samples->channels;
     comparison->complete = 1;
     for (size_t k = 0; k < fit->model.channels; k++) {
         size_t column = BRDFFIT_NONE;
@@ -60,7 +60,7 @@ static void header_field(struct cli_text *text, const char *name, const char *su
 
 static void header(struct cli_text *text, const struct cli_comparison *c)
 {
-    const brdffit_samples *const samples = &c->table->samples;
+    const brdffit_samples *const samples = c->table->samples;
     if (samples->form == BRDFFIT_FORM_COEFFICIENTS) {
         brdffit_cli_text_puts(text, "a,b,c");
     } else if (samples->form == BRDFFIT_FORM_ANGLES) {
@@ -130,7 +130,7 @@ static void directions(struct cli_text *text, const brdffit_samples *s, size_t i
 
 int brdffit_cli_eval_rows(const struct cli_comparison *c, struct cli_output *output)
 {
-    const brdffit_samples *const samples = &c->table->samples;
+    const brdffit_samples *const samples = c->table->samples;
     const size_t channels = c->fit->model.channels;
     struct cli_text text = {0};
     int failed = 0;
@@ -170,7 +170,7 @@ static double accumulate(brdffit_norm norm, double sum, double weight, double re
 
 void brdffit_cli_eval_figures(const struct cli_comparison *c, struct cli_figures *figures)
 {
-    const brdffit_samples *const samples = &c->table->samples;
+    const brdffit_samples *const samples = c->table->samples;
     const size_t channels = c->fit->model.channels;
     brdffit_options options;
     brdffit_options_init(&options);

@@ -61,7 +61,7 @@ size_t brdffit_cli_error_line(const brdffit_error *error, const brdffit_table *t
     if (error->line != BRDFFIT_NONE) {
         return error->line;
     }
-    if (table != NULL && table->lines != NULL && error->sample < table->samples.count) {
+    if (table != NULL && table->lines != NULL && error->sample < table->samples->count) {
         return table->lines[error->sample];
     }
     return BRDFFIT_NONE;
@@ -106,7 +106,7 @@ void brdffit_cli_describe(struct cli_text *text, struct cli_style style, const b
         if (!inside) {
             brdffit_cli_text_puts(text, "channel ");
         }
-        if (table != NULL && error->channel < table->samples.channels) {
+        if (table != NULL && error->channel < table->samples->channels) {
             brdffit_cli_name(text, style, table->channel_names[error->channel]);
         } else {
             brdffit_cli_text_printf(text, "%zu", error->channel + 1);

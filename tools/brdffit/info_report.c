@@ -12,7 +12,7 @@
 
 static void add_format(struct cli_text *text, const brdffit_table *table)
 {
-    const int brdf = table->samples.quantity == BRDFFIT_QUANTITY_BRDF;
+    const int brdf = table->samples->quantity == BRDFFIT_QUANTITY_BRDF;
     if (table->format == BRDFFIT_IO_FORMAT_MERL) {
         brdffit_cli_text_printf(text,
                                 "MERL table of %zu x %zu x %zu cells (half angle, difference "
@@ -25,11 +25,11 @@ static void add_format(struct cli_text *text, const brdffit_table *table)
         brdffit_cli_grouped(text, table->rows);
         brdffit_cli_text_puts(text, table->rows == 1 ? " line" : " lines");
         brdffit_cli_text_puts(text,
-                              table->samples.form == BRDFFIT_FORM_COEFFICIENTS ? " with a, b, c" : " with directions");
-        if (table->samples.normal != NULL) {
+                              table->samples->form == BRDFFIT_FORM_COEFFICIENTS ? " with a, b, c" : " with directions");
+        if (table->samples->normal != NULL) {
             brdffit_cli_text_puts(text, " and normals");
         }
-        if (table->samples.weights != NULL) {
+        if (table->samples->weights != NULL) {
             brdffit_cli_text_puts(text, " and weights");
         }
     }
@@ -41,7 +41,7 @@ static void channel_table(struct cli_text *text, struct cli_style style, const b
                           const struct cli_stats *stats)
 {
     const int width = brdffit_cli_channel_width(style, table);
-    if (table->samples.count == 0) {
+    if (table->samples->count == 0) {
         return;
     }
     brdffit_cli_text_puts(text, "\n  ");
@@ -51,7 +51,7 @@ static void channel_table(struct cli_text *text, struct cli_style style, const b
     brdffit_cli_cell(text, style, "largest", NUMBER_WIDTH);
     brdffit_cli_cell(text, style, "negative", NUMBER_WIDTH);
     brdffit_cli_text_puts(text, "\n");
-    for (size_t k = 0; k < table->samples.channels; k++) {
+    for (size_t k = 0; k < table->samples->channels; k++) {
         const struct cli_channel_stats *const channel = &stats->channel[k];
         brdffit_cli_text_puts(text, "  ");
         brdffit_cli_channel_cell(text, style, table, k, width);
@@ -138,7 +138,7 @@ static void json_channels(struct cli_json *json, const brdffit_table *table, con
     brdffit_cli_json_channels(json, table);
     for (int which = 0; which < 3; which++) {
         brdffit_cli_json_open(json, names[which], '[');
-        for (size_t k = 0; k < table->samples.channels; k++) {
+        for (size_t k = 0; k < table->samples->channels; k++) {
             const struct cli_channel_stats *const c = &stats->channel[k];
             const double value = which == 0 ? c->low : which == 1 ? c->mean : c->high;
             brdffit_cli_json_number(json, NULL, value);
@@ -146,7 +146,7 @@ static void json_channels(struct cli_json *json, const brdffit_table *table, con
         brdffit_cli_json_close(json, ']');
     }
     brdffit_cli_json_open(json, "negative", '[');
-    for (size_t k = 0; k < table->samples.channels; k++) {
+    for (size_t k = 0; k < table->samples->channels; k++) {
         brdffit_cli_json_count(json, NULL, stats->channel[k].negative);
     }
     brdffit_cli_json_close(json, ']');
@@ -158,7 +158,7 @@ static void json_content(struct cli_json *json, const struct cli_job *job, const
     static const char *const forms[] = {"directions", "angles", "coefficients"};
     const brdffit_table *const table = job->table;
     brdffit_cli_json_source(json, job, fitter->settings);
-    brdffit_cli_json_string(json, "form", forms[table->samples.form]);
+    brdffit_cli_json_string(json, "form", forms[table->samples->form]);
     brdffit_cli_json_count(json, "compressed", table->compressed != 0);
     brdffit_cli_json_count(json, "rows", table->rows);
     if (table->format == BRDFFIT_IO_FORMAT_MERL) {

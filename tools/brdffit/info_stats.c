@@ -92,10 +92,11 @@ brdffit_status brdffit_cli_stats(const brdffit_table *table, const brdffit_optio
                                  brdffit_error *error)
 {
     static const struct cli_range empty = {INFINITY, -INFINITY};
-    const brdffit_samples *const samples = &table->samples;
+    const brdffit_samples *const samples = table->samples;
     memset(stats, 0, sizeof *stats);
     stats->incidence = stats->view = stats->half = empty;
-    const brdffit_status status = brdffit_inspect(samples, options, &stats->used, stats->skipped, error);
+    const brdffit_status status = brdffit_inspect(samples, options, &stats->used, stats->skipped, BRDFFIT_SKIP_COUNT,
+                                                  error);
     /* That nothing is left is an answer here, not a failure. */
     if (status != BRDFFIT_OK && status != BRDFFIT_ERR_NO_SAMPLES) {
         return status;

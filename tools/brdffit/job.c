@@ -49,7 +49,7 @@ static int load_directions(struct cli_fitter *fitter, const char *path)
                         "directions\n");
         return brdffit_cli_status_exit(status);
     }
-    const brdffit_samples *const samples = &fitter->directions->samples;
+    const brdffit_samples *const samples = fitter->directions->samples;
     if (samples->form != BRDFFIT_FORM_DIRECTIONS || samples->normal != NULL || samples->count == 0) {
         fprintf(stderr, "brdffit: %s: --merl-samples needs directions of light and view, without normals\n", path);
         return CLI_EXIT_DATA;
@@ -130,7 +130,7 @@ static int grow(void **workspace, size_t *capacity, size_t size)
 
 static void fit(struct cli_job *job, struct cli_fitter *fitter)
 {
-    const brdffit_samples *const samples = &job->table->samples;
+    const brdffit_samples *const samples = job->table->samples;
     const brdffit_sums *const sums = job->table->sums;
     /* 0 for options or sizes that brdffit_fit() explains better. */
     const size_t size = sums != NULL ? brdffit_sums_workspace_size(sums, &fitter->options)
@@ -156,19 +156,19 @@ static int sums_suffice(const struct cli_job *job)
     if (job->status != BRDFFIT_OK) { /* a limit of sums, or one that the samples share and explain */
         return job->status == BRDFFIT_ERR_NO_SAMPLES || job->status == BRDFFIT_ERR_MEMORY;
     }
-    return job->result.e2_error <= SUMS_ACCURACY * job->result.e2;
+    return job->result->e2_error <= SUMS_ACCURACY * job->result->e2;
 }
 
 /* A bound of 0 needs no proof. */
 static void verify(struct cli_job *job, struct cli_fitter *fitter)
 {
-    const brdffit_samples *const samples = &job->table->samples;
+    const brdffit_samples *const samples = job->table->samples;
     brdffit_options options = fitter->options;
     options.engine = BRDFFIT_ENGINE_SOCP;
-    const double level = job->result.lower_bound * (1 - fitter->settings->verify_margin);
+    const double level = job->result->lower_bound * (1 - fitter->settings->verify_margin);
     if (!(level > 0)) {
-        memset(&job->reproof, 0, sizeof job->reproof);
-        job->reproof.proven = job->verified = 1;
+        memset(&job->verification, 0, sizeof job->verification);
+        job->verification.proven = job->verified = 1;
         return;
     }
     const size_t size = brdffit_workspace_size(samples->count, samples->channels, &options);
@@ -176,21 +176,25 @@ static void verify(struct cli_job *job, struct cli_fitter *fitter)
         fail(job, BRDFFIT_ERR_MEMORY);
         return;
     }
+    const brdffit_verification *made;
     const double start = brdffit_cli_clock();
-    job->status = brdffit_verify_socp(samples, &options, level, fitter->verify_workspace, fitter->verify_capacity,
-                                      &job->reproof, &job->error);
+    job->status = brdffit_verify(samples, &options, level, fitter->verify_workspace, fitter->verify_capacity, &made,
+                                 &job->error);
     job->verify_seconds = brdffit_cli_clock() - start;
     job->verified = job->status == BRDFFIT_OK;
+    if (job->verified) {
+        job->verification = *made;
+    }
 }
 
 /* One lobe for two, so that --stats can say whether the second is of use. The result still points into the fitter's
  * workspace, so this takes that of --verify; a failure here only leaves the statement out. */
 static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
 {
-    const brdffit_samples *const samples = &job->table->samples;
+    const brdffit_samples *const samples = job->table->samples;
     const brdffit_sums *const sums = job->table->sums;
     brdffit_options options = fitter->options;
-    brdffit_result result;
+    const brdffit_result *result;
     options.lobes = 1;
     options.progress = NULL;
     const size_t size = sums != NULL ? brdffit_sums_workspace_size(sums, &options)
@@ -203,7 +207,7 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
                                                : brdffit_fit(samples, &options, fitter->verify_workspace,
                                                              fitter->verify_capacity, &result, NULL);
     job->one_lobe_fitted = status == BRDFFIT_OK;
-    job->one_lobe_e2 = job->one_lobe_fitted ? result.e2 : 0;
+    job->one_lobe_e2 = job->one_lobe_fitted ? result->e2 : 0;
 }
 
 void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const char *path)
@@ -240,13 +244,13 @@ int brdffit_cli_job_exit(const struct cli_job *job)
     if (job->status != BRDFFIT_OK) {
         return brdffit_cli_status_exit(job->status);
     }
-    const int proven = job->result.certified && (!job->verified || job->reproof.proven);
+    const int proven = job->result->certified && (!job->verified || job->verification.proven);
     return proven ? CLI_EXIT_CERTIFIED : CLI_EXIT_OPEN;
 }
 
 size_t brdffit_cli_entries(const brdffit_table *table)
 {
-    size_t entries = table->samples.count;
+    size_t entries = table->samples->count;
     for (int i = 0; i < BRDFFIT_IO_DROP_COUNT; i++) {
         entries += table->dropped[i];
     }

@@ -32,12 +32,12 @@ struct cli_job {
     brdffit_error error;
     int system_error;   /* errno when reading failed; 0: unknown */
     int not_begun;      /* interrupted before this file's turn */
-    brdffit_result result; /* points into the fitter's workspace */
+    const brdffit_result *result; /* in the fitter's workspace */
     double read_seconds;
     double reduce_seconds;
     double search_seconds;
-    int verified; /* reproof is filled in: --verify */
-    brdffit_reproof reproof;
+    int verified; /* verification is filled in: --verify */
+    brdffit_verification verification;
     double verify_seconds;
     int one_lobe_fitted;   /* --stats, two lobes: one_lobe_e2 is filled in */
     double one_lobe_e2;    /* of the best fit with one lobe */

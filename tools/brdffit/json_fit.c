@@ -46,7 +46,7 @@ void brdffit_cli_json_error(struct cli_json *json, const struct cli_job *job)
 void brdffit_cli_json_channels(struct cli_json *json, const brdffit_table *table)
 {
     brdffit_cli_json_open(json, "channels", '[');
-    for (size_t k = 0; k < table->samples.channels; k++) {
+    for (size_t k = 0; k < table->samples->channels; k++) {
         brdffit_cli_json_string(json, NULL, table->channel_names[k]);
     }
     brdffit_cli_json_close(json, ']');
@@ -75,7 +75,7 @@ void brdffit_cli_json_source(struct cli_json *json, const struct cli_job *job, c
     const int merl = table->format == BRDFFIT_IO_FORMAT_MERL;
     brdffit_cli_json_string(json, "format", brdffit_cli_choice_name(brdffit_cli_format_choices, (int)table->format));
     brdffit_cli_json_string(json, "quantity",
-                            brdffit_cli_choice_name(brdffit_cli_quantity_choices, (int)table->samples.quantity));
+                            brdffit_cli_choice_name(brdffit_cli_quantity_choices, (int)table->samples->quantity));
     if (!merl) {
         brdffit_cli_json_null(json, "merl_bins");
         brdffit_cli_json_null(json, "merl_samples");
@@ -100,13 +100,13 @@ void brdffit_cli_json_skipped(struct cli_json *json, const size_t *skipped, cons
 
 static void parameters(struct cli_json *json, const brdffit_result *result)
 {
-    const brdffit_model *const model = &result->model;
+    const brdffit_model *const model = result->model;
     const size_t lobes = (size_t)model->lobes;
     brdffit_cli_json_numbers(json, "sigma", model->sigma, lobes);
     if (brdffit_cli_by_exponent(model->distribution)) {
         brdffit_cli_json_open(json, "exponent", '[');
         for (size_t p = 0; p < lobes; p++) {
-            brdffit_cli_json_number(json, NULL, result->lobe[p].exponent);
+            brdffit_cli_json_number(json, NULL, result->lobe[p]->exponent);
         }
         brdffit_cli_json_close(json, ']');
     }
@@ -130,12 +130,12 @@ static void parameters(struct cli_json *json, const brdffit_result *result)
 
 static void exponent_intervals(struct cli_json *json, const brdffit_result *result)
 {
-    if (!brdffit_cli_by_exponent(result->model.distribution)) {
+    if (!brdffit_cli_by_exponent(result->model->distribution)) {
         return;
     }
     brdffit_cli_json_open(json, "exponent_interval", '[');
-    for (int p = 0; p < result->model.lobes; p++) {
-        const double ends[2] = {result->lobe[p].exponent_low, result->lobe[p].exponent_high};
+    for (int p = 0; p < result->model->lobes; p++) {
+        const double ends[2] = {result->lobe[p]->exponent_low, result->lobe[p]->exponent_high};
         brdffit_cli_json_numbers(json, NULL, ends, 2);
     }
     brdffit_cli_json_close(json, ']');
@@ -143,20 +143,20 @@ static void exponent_intervals(struct cli_json *json, const brdffit_result *resu
 
 static void lobes(struct cli_json *json, const brdffit_result *result)
 {
-    const int count = result->model.lobes;
+    const int count = result->model->lobes;
     brdffit_cli_json_open(json, "weight", '[');
     for (int p = 0; p < count; p++) {
-        brdffit_cli_json_number(json, NULL, result->lobe[p].weight);
+        brdffit_cli_json_number(json, NULL, result->lobe[p]->weight);
     }
     brdffit_cli_json_close(json, ']');
     brdffit_cli_json_open(json, "effective_samples", '[');
     for (int p = 0; p < count; p++) {
-        brdffit_cli_json_number(json, NULL, result->lobe[p].effective_samples);
+        brdffit_cli_json_number(json, NULL, result->lobe[p]->effective_samples);
     }
     brdffit_cli_json_close(json, ']');
     brdffit_cli_json_open(json, "sigma_interval", '[');
     for (int p = 0; p < count; p++) {
-        const double ends[2] = {result->lobe[p].sigma_low, result->lobe[p].sigma_high};
+        const double ends[2] = {result->lobe[p]->sigma_low, result->lobe[p]->sigma_high};
         brdffit_cli_json_numbers(json, NULL, ends, 2);
     }
     brdffit_cli_json_close(json, ']');
@@ -164,8 +164,8 @@ static void lobes(struct cli_json *json, const brdffit_result *result)
     brdffit_cli_json_open(json, "warnings", '[');
     for (int p = 0; p < count; p++) {
         brdffit_cli_json_open(json, NULL, '[');
-        for (unsigned bit = 1; bit != 0 && bit <= result->lobe[p].warnings; bit <<= 1) {
-            if (result->lobe[p].warnings & bit) {
+        for (unsigned bit = 1; bit != 0 && bit <= result->lobe[p]->warnings; bit <<= 1) {
+            if (result->lobe[p]->warnings & bit) {
                 brdffit_cli_json_string(json, NULL, brdffit_cli_warning_name(bit));
             }
         }
@@ -196,21 +196,21 @@ void brdffit_cli_json_options(struct cli_json *json, const brdffit_options *o)
 /* What ECOS did; null when it was not used. */
 static void socp(struct cli_json *json, const brdffit_result *result)
 {
-    if (result->socp_solved + result->socp_decided == 0) {
+    if (result->programs_solved + result->programs_decided == 0) {
         brdffit_cli_json_null(json, "socp");
         return;
     }
     brdffit_cli_json_open(json, "socp", '{');
-    brdffit_cli_json_count(json, "solved", result->socp_solved);
-    brdffit_cli_json_count(json, "refused", result->socp_refused);
-    brdffit_cli_json_count(json, "decided", result->socp_decided);
+    brdffit_cli_json_count(json, "solved", result->programs_solved);
+    brdffit_cli_json_count(json, "refused", result->programs_refused);
+    brdffit_cli_json_count(json, "decided", result->programs_decided);
     brdffit_cli_json_close(json, '}');
 }
 
 /* --verify; null without. */
 static void verification(struct cli_json *json, const struct cli_job *job)
 {
-    const brdffit_reproof *const r = &job->reproof;
+    const brdffit_verification *const r = &job->verification;
     if (!job->verified) {
         brdffit_cli_json_null(json, "verify");
         return;
@@ -236,7 +236,7 @@ static void verification(struct cli_json *json, const struct cli_job *job)
 
 static void result_members(struct cli_json *json, const struct cli_job *job, const struct cli_fitter *fitter)
 {
-    const brdffit_result *const result = &job->result;
+    const brdffit_result *const result = job->result;
     parameters(json, result);
     brdffit_cli_json_count(json, "samples_used", result->samples_used);
     brdffit_cli_json_skipped(json, result->samples_skipped, job->table);
@@ -263,7 +263,7 @@ void brdffit_cli_json_fit(struct cli_text *text, const struct cli_job *job, cons
     brdffit_cli_json_open(&json, NULL, '{');
     brdffit_cli_json_string(&json, "schema", "brdffit.fit/1");
     brdffit_cli_json_path(&json, job->path);
-    brdffit_cli_json_string(&json, "status", !fitted ? "error" : job->result.certified ? "certified" : "gap_open");
+    brdffit_cli_json_string(&json, "status", !fitted ? "error" : job->result->certified ? "certified" : "gap_open");
     if (!fitted) {
         brdffit_cli_json_error(&json, job);
     }

@@ -78,6 +78,8 @@ static const char *read_model(struct cli_fit *fit, const cJSON *object)
     double *const scale = fit->numbers + channels;
     double *const rms = scale + channels;
     double *const y = rms + channels;
+    brdffit_model_init(&fit->model);
+    fit->model.sigma = fit->sigma;
     fit->model.lobes = (int)p;
     fit->model.channels = channels;
     fit->model.x = fit->numbers;
@@ -90,7 +92,7 @@ static const char *read_model(struct cli_fit *fit, const cJSON *object)
         return "distribution";
     }
     fit->model.distribution = (brdffit_distribution)distribution;
-    if (!numbers(member(object, "sigma"), fit->model.sigma, p, 1e-300)) {
+    if (!numbers(member(object, "sigma"), fit->sigma, p, 1e-300)) {
         return "sigma";
     }
     if (!numbers(x, fit->numbers, channels, 0)) {

@@ -9,7 +9,8 @@
 
 /* A fit as its line records it. All pointers belong to the struct. */
 struct cli_fit {
-    brdffit_model model; /* x and y point into `numbers` */
+    brdffit_model model; /* sigma points to the one below, x and y into `numbers` */
+    double sigma[BRDFFIT_MAX_LOBES];
     const double *channel_scale;
     const double *rms;
     brdffit_norm norm;

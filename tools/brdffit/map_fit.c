@@ -293,13 +293,13 @@ static void publish(const struct cli_map *map, const brdffit_texel_results *to, 
     const size_t lobes = (size_t)map->options.lobes;
     const int good = from != NULL;
     for (size_t p = 0; p < lobes; p++) {
-        to->sigma[p] = good ? from->model.sigma[p] : NAN;
+        to->sigma[p] = good ? from->model->sigma[p] : NAN;
     }
     for (size_t k = 0; k < map->channels; k++) {
-        to->x[k] = good ? from->model.x[k] : NAN;
+        to->x[k] = good ? from->model->x[k] : NAN;
     }
     for (size_t j = 0; j < map->channels * lobes; j++) {
-        to->y[j] = good ? from->model.y[j] : NAN;
+        to->y[j] = good ? from->model->y[j] : NAN;
     }
     *to->e2 = good ? from->e2 : NAN;
     *to->lower_bound = good ? from->lower_bound : NAN;
@@ -333,7 +333,7 @@ static int fit_one(struct cli_map_worker *w, size_t texels, size_t texel, const 
     const struct cli_map *const map = w->map;
     brdffit_options options = map->options;
     brdffit_samples samples;
-    brdffit_result result;
+    const brdffit_result *result = NULL;
     brdffit_error error = {0};
     options.progress = cancelled;
     own_samples(w, texels, texel, &samples);
@@ -342,16 +342,16 @@ static int fit_one(struct cli_map_worker *w, size_t texels, size_t texel, const 
         return report(map->settings->files[0], &error);
     }
     const int fitted = status == BRDFFIT_OK;
-    *to->status = status_of(status, &result, &error);
+    *to->status = status_of(status, result, &error);
     *to->where = *to->status == BRDFFIT_TEXEL_BAD_VALUE
                      ? error.sample * map->channels + (error.channel != BRDFFIT_NONE ? error.channel : 0)
                      : BRDFFIT_NONE;
-    publish(map, to, fitted ? &result : NULL);
-    counts->boxes += fitted ? result.boxes : 0;
-    counts->nodes += fitted ? result.nodes : 0;
+    publish(map, to, result);
+    counts->boxes += fitted ? result->boxes : 0;
+    counts->nodes += fitted ? result->nodes : 0;
     counts->general += fitted && *to->status <= BRDFFIT_TEXEL_OPEN;
     for (int reason = 0; fitted && reason < BRDFFIT_SKIP_COUNT; reason++) {
-        counts->skipped[reason] += result.samples_skipped[reason];
+        counts->skipped[reason] += result->samples_skipped[reason];
     }
     return 0;
 }

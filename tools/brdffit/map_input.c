@@ -124,7 +124,7 @@ static int is_text_table(const char *path)
 
 static int check_table(struct cli_map *map, const char *path)
 {
-    const brdffit_samples *s = &map->table->samples;
+    const brdffit_samples *s = map->table->samples;
     if (s->count != map->table->rows) {
         fprintf(stderr, "brdffit: %s: %zu of %zu lines have an empty field: a geometry needs every sample\n", path,
                 map->table->rows - s->count, map->table->rows);
@@ -327,14 +327,14 @@ static int check_build(const struct cli_map *map)
 {
     static const double up[3] = {0, 0, 1}, one = 1;
     brdffit_samples samples;
-    brdffit_result *result = NULL;
+    const brdffit_result *result = NULL;
     brdffit_error error = {0};
     brdffit_samples_init(&samples);
     samples.count = samples.channels = 1;
     samples.light = samples.view = up;
     samples.values = &one;
     const brdffit_status status = brdffit_fit_new(&samples, &map->options, &result, &error);
-    brdffit_fit_free(result);
+    brdffit_result_free(result);
     if (status != BRDFFIT_ERR_UNSUPPORTED) {
         return 0;
     }
@@ -375,7 +375,7 @@ static void count_skipped(struct cli_map *map)
     copy.channels = 1;
     copy.values = zeros;
     if (zeros != NULL && !map->general) {
-        (void)brdffit_inspect(&copy, &map->options, NULL, map->shared_skipped, NULL);
+        (void)brdffit_inspect(&copy, &map->options, NULL, map->shared_skipped, BRDFFIT_SKIP_COUNT, NULL);
     }
     free(zeros);
 }

@@ -34,7 +34,7 @@ void brdffit_cli_number_cell(struct cli_text *text, double value, int digits, in
 int brdffit_cli_channel_width(struct cli_style style, const brdffit_table *table)
 {
     size_t width = strlen("channel");
-    for (size_t k = 0; k < table->samples.channels; k++) {
+    for (size_t k = 0; k < table->samples->channels; k++) {
         const size_t taken = brdffit_cli_width(style, table->channel_names[k]);
         width = taken > width ? taken : width;
     }
@@ -80,12 +80,12 @@ void brdffit_cli_report_title(struct cli_text *text, struct cli_style style, con
 
 static void lobe_table(struct cli_text *text, struct cli_style style, const brdffit_result *result)
 {
-    const int by_exponent = brdffit_cli_by_exponent(result->model.distribution);
+    const int by_exponent = brdffit_cli_by_exponent(result->model->distribution);
     brdffit_cli_text_puts(text, "\n  lobe");
     brdffit_cli_cell(text, style, by_exponent ? "exponent n" : brdffit_cli_glyph(style, CLI_SIGMA), 15);
     brdffit_cli_text_puts(text, "   share w   effective samples\n");
-    for (int p = 0; p < result->model.lobes; p++) {
-        const brdffit_lobe *const lobe = &result->lobe[p];
+    for (int p = 0; p < result->model->lobes; p++) {
+        const brdffit_lobe *const lobe = result->lobe[p];
         brdffit_cli_text_printf(text, "  %-4d%15.8g%8.1f %%%20.4g\n", p + 1, by_exponent ? lobe->exponent : lobe->sigma,
                                 100 * lobe->weight, lobe->effective_samples);
     }
@@ -94,9 +94,9 @@ static void lobe_table(struct cli_text *text, struct cli_style style, const brdf
 /* Largest used radiance of a channel: the scale of --normalise max. */
 static double channel_maximum(const struct cli_job *job, const brdffit_options *options, size_t channel)
 {
-    const brdffit_samples *const samples = &job->table->samples;
+    const brdffit_samples *const samples = job->table->samples;
     if (options->normalise == BRDFFIT_NORMALISE_MAX) {
-        return job->result.channel_scale[channel];
+        return job->result->channel_scale[channel];
     }
     if (job->table->sums != NULL) {
         return brdffit_sums_largest(job->table->sums, channel);
@@ -116,8 +116,8 @@ static double channel_maximum(const struct cli_job *job, const brdffit_options *
 static void channel_table(struct cli_text *text, struct cli_style style, const struct cli_job *job,
                           const brdffit_options *options)
 {
-    const brdffit_result *const result = &job->result;
-    const int lobes = result->model.lobes;
+    const brdffit_result *const result = job->result;
+    const int lobes = result->model->lobes;
     const int width = brdffit_cli_channel_width(style, job->table);
     brdffit_cli_text_puts(text, "\n  ");
     brdffit_cli_cell(text, style, "channel", -width);
@@ -130,12 +130,12 @@ static void channel_table(struct cli_text *text, struct cli_style style, const s
     brdffit_cli_cell(text, style, "RMS", NUMBER_WIDTH);
     brdffit_cli_cell(text, style, "of max", NUMBER_WIDTH);
     brdffit_cli_text_puts(text, "\n");
-    for (size_t k = 0; k < result->model.channels; k++) {
+    for (size_t k = 0; k < result->model->channels; k++) {
         brdffit_cli_text_puts(text, "  ");
         brdffit_cli_channel_cell(text, style, job->table, k, width);
-        brdffit_cli_number_cell(text, result->model.x[k], 5, NUMBER_WIDTH);
+        brdffit_cli_number_cell(text, result->model->x[k], 5, NUMBER_WIDTH);
         for (int p = 0; p < lobes; p++) {
-            brdffit_cli_number_cell(text, result->model.y[k * (size_t)lobes + (size_t)p], 5, NUMBER_WIDTH);
+            brdffit_cli_number_cell(text, result->model->y[k * (size_t)lobes + (size_t)p], 5, NUMBER_WIDTH);
         }
         brdffit_cli_number_cell(text, result->rms[k], 3, NUMBER_WIDTH);
         const double maximum = channel_maximum(job, options, k);
@@ -163,23 +163,23 @@ static void add_stop(struct cli_text *text, brdffit_stop stop, const brdffit_opt
 /* "32 nodes", or what ECOS did: "90 programs by ECOS (1 refused), 66 boxes decided without". */
 static void add_work(struct cli_text *text, const brdffit_result *result)
 {
-    if (result->socp_solved + result->socp_decided == 0) {
+    if (result->programs_solved + result->programs_decided == 0) {
         brdffit_cli_grouped(text, result->nodes);
         brdffit_cli_text_printf(text, " node%s", result->nodes == 1 ? "" : "s");
         return;
     }
-    brdffit_cli_grouped(text, result->socp_solved);
-    brdffit_cli_text_printf(text, " program%s by ECOS (", result->socp_solved == 1 ? "" : "s");
-    brdffit_cli_grouped(text, result->socp_refused);
+    brdffit_cli_grouped(text, result->programs_solved);
+    brdffit_cli_text_printf(text, " program%s by ECOS (", result->programs_solved == 1 ? "" : "s");
+    brdffit_cli_grouped(text, result->programs_refused);
     brdffit_cli_text_puts(text, " refused), ");
-    brdffit_cli_grouped(text, result->socp_decided);
-    brdffit_cli_text_printf(text, " box%s decided without", result->socp_decided == 1 ? "" : "es");
+    brdffit_cli_grouped(text, result->programs_decided);
+    brdffit_cli_text_printf(text, " box%s decided without", result->programs_decided == 1 ? "" : "es");
 }
 
 /* What engine socp did at the level of --verify, which is rounded down, so that the claim stays true. */
-static void add_reproof(struct cli_text *text, struct cli_style style, const struct cli_job *job)
+static void add_verification(struct cli_text *text, struct cli_style style, const struct cli_job *job)
 {
-    const brdffit_reproof *const r = &job->reproof;
+    const brdffit_verification *const r = &job->verification;
     brdffit_cli_text_printf(text,
                             r->proven ? "by engine socp alone, no E%s lies below "
                                       : "engine socp alone could not prove that no E%s lies below ",
@@ -206,13 +206,13 @@ static void add_reproof(struct cli_text *text, struct cli_style style, const str
 
 static void verification(struct cli_text *text, struct cli_style style, const struct cli_job *job)
 {
-    const int proven = job->reproof.proven;
+    const int proven = job->verification.proven;
     struct cli_text words = {0};
     if (!job->verified) {
         return;
     }
-    if (job->reproof.level > 0) {
-        add_reproof(&words, style, job);
+    if (job->verification.level > 0) {
+        add_verification(&words, style, job);
     } else {
         brdffit_cli_text_puts(&words, "the bound is 0, which needs no proof.");
     }
@@ -226,11 +226,11 @@ static void effort(struct cli_text *text, struct cli_style style, const struct c
                    const brdffit_options *options)
 {
     struct cli_text words = {0};
-    brdffit_cli_grouped(&words, job->result.boxes);
-    brdffit_cli_text_printf(&words, " box%s, ", job->result.boxes == 1 ? "" : "es");
-    add_work(&words, &job->result);
+    brdffit_cli_grouped(&words, job->result->boxes);
+    brdffit_cli_text_printf(&words, " box%s, ", job->result->boxes == 1 ? "" : "es");
+    add_work(&words, job->result);
     brdffit_cli_text_puts(&words, ", stopped ");
-    add_stop(&words, job->result.stop, options);
+    add_stop(&words, job->result->stop, options);
     brdffit_cli_text_puts(&words, "; read ");
     brdffit_cli_duration(&words, job->read_seconds);
     brdffit_cli_text_puts(&words, ", reduce ");
@@ -257,13 +257,13 @@ static void add_saving(struct cli_text *words, size_t count, const char *one, co
 static void savings(struct cli_text *text, struct cli_style style, const struct cli_job *job,
                     const brdffit_options *options)
 {
-    const brdffit_result *const r = &job->result;
+    const brdffit_result *const r = job->result;
     struct cli_text words = {0};
     add_saving(&words, r->samples_used > r->distinct_c ? r->samples_used - r->distinct_c : 0,
                "sample merged into one of the same half angle", "samples merged into others of the same half angle");
     add_saving(&words, r->channels_zero, "channel without signal", "channels without signal");
     add_saving(&words, r->channels_identical, "channel that repeats another", "channels that repeat another");
-    add_saving(&words, r->socp_decided, "box decided without ECOS", "boxes decided without ECOS");
+    add_saving(&words, r->programs_decided, "box decided without ECOS", "boxes decided without ECOS");
     if (r->sigma_tail > options->sigma_min) {
         brdffit_cli_text_printf(&words, "%snothing searched below %s = %.3g, where the data see no change",
                                 words.size > 0 ? "; " : "", brdffit_cli_glyph(style, CLI_SIGMA), r->sigma_tail);
@@ -284,7 +284,7 @@ static void savings(struct cli_text *text, struct cli_style style, const struct 
 void brdffit_cli_report_fit(struct cli_text *text, struct cli_style style, const struct cli_job *job,
                             const struct cli_fitter *fitter)
 {
-    const brdffit_result *const result = &job->result;
+    const brdffit_result *const result = job->result;
     brdffit_cli_report_title(text, style, job, result->samples_used, result->samples_skipped,
                              fitter->options.max_incidence, "used");
     lobe_table(text, style, result);

@@ -72,9 +72,9 @@ void brdffit_cli_slice(const brdffit_samples *samples, size_t i, brdffit_samples
 int brdffit_cli_is_used(const brdffit_samples *samples, const brdffit_options *options, size_t i)
 {
     brdffit_samples one;
-    size_t used = 0, skipped[BRDFFIT_SKIP_COUNT];
+    size_t used = 0;
     brdffit_cli_slice(samples, i, &one);
-    return brdffit_inspect(&one, options, &used, skipped, NULL) == BRDFFIT_OK && used == 1;
+    return brdffit_inspect(&one, options, &used, NULL, 0, NULL) == BRDFFIT_OK && used == 1;
 }
 
 double brdffit_cli_to_radiance(const brdffit_samples *samples, size_t i)

@@ -98,8 +98,8 @@ static const char *distribution_title(brdffit_distribution distribution)
 static void add_family(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                        const brdffit_options *options)
 {
-    const int lobes = result->model.lobes;
-    const brdffit_distribution distribution = result->model.distribution;
+    const int lobes = result->model->lobes;
+    const brdffit_distribution distribution = result->model->distribution;
     const int by_exponent = brdffit_cli_by_exponent(distribution);
     brdffit_cli_text_printf(text, "%s fit with %d %s and %s in\t[%.6g,\t%.6g]", distribution_title(distribution), lobes,
                             lobes == 1 ? "lobe" : "lobes", brdffit_cli_parameter(style, distribution),
@@ -206,7 +206,7 @@ static void add_stop(struct cli_text *text, struct cli_style style, const brdffi
         return;
     case BRDFFIT_STOP_MEMORY:
         brdffit_cli_text_printf(text, "its table of %s values was full",
-                                brdffit_cli_parameter(style, result->model.distribution));
+                                brdffit_cli_parameter(style, result->model->distribution));
         return;
     case BRDFFIT_STOP_CANCELLED: brdffit_cli_text_puts(text, "it was interrupted"); return;
     default: brdffit_cli_text_puts(text, brdffit_stop_string(result->stop)); return;
@@ -317,8 +317,8 @@ static void add_warning(struct cli_text *words, struct cli_style style, const br
 void brdffit_cli_warnings(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                           const brdffit_options *options)
 {
-    for (int p = 0; p < result->model.lobes; p++) {
-        const brdffit_lobe *const lobe = &result->lobe[p];
+    for (int p = 0; p < result->model->lobes; p++) {
+        const brdffit_lobe *const lobe = result->lobe[p];
         for (unsigned bit = 1; bit != 0 && bit <= lobe->warnings; bit <<= 1) {
             /* Of a lobe that is not there nothing else is worth saying. */
             if (!(lobe->warnings & bit) || (bit != BRDFFIT_WARN_UNUSED && (lobe->warnings & BRDFFIT_WARN_UNUSED))) {
@@ -326,7 +326,7 @@ void brdffit_cli_warnings(struct cli_text *text, struct cli_style style, const b
             }
             struct cli_text words = {0};
             brdffit_cli_text_printf(&words, "lobe %d: ", p + 1);
-            add_warning(&words, style, lobe, bit, result->model.lobes, options);
+            add_warning(&words, style, lobe, bit, result->model->lobes, options);
             brdffit_cli_paragraph(text, style, CLI_YELLOW, "Warning,", brdffit_cli_text_string(&words));
             text->failed |= words.failed;
             brdffit_cli_text_free(&words);

@@ -40,27 +40,43 @@ static void set_mode(unsigned mode)
 }
 #endif
 
-/* Everything of a result that is a number; the rest of the struct is pointers. */
+/* A result that outlives its workspace: without pointers, and what they pointed to. */
 struct copy {
     brdffit_result result;
+    brdffit_lobe lobe[BRDFFIT_MAX_LOBES];
+    double sigma[BRDFFIT_MAX_LOBES];
+    size_t channels, lobes;
     double *arrays; /* x, y, channel_scale, rms */
     size_t doubles;
 };
 
 static struct copy copy_of(const brdffit_result *result)
 {
-    size_t channels = result->model.channels, lobes = (size_t)result->model.lobes;
-    struct copy copy = {*result, NULL, channels * (3 + lobes)};
+    const brdffit_model *model = result->model;
+    size_t channels = model->channels, lobes = (size_t)model->lobes, p;
+    struct copy copy;
 
+    memset(&copy, 0, sizeof copy);
+    memcpy(&copy.result, result, sizeof copy.result);
+    copy.channels = channels;
+    copy.lobes = lobes;
+    copy.doubles = channels * (3 + lobes);
     copy.arrays = calloc(copy.doubles, sizeof(double));
     if (!copy.arrays) {
         exit(1);
     }
-    memcpy(copy.arrays, result->model.x, channels * sizeof(double));
-    memcpy(copy.arrays + channels, result->model.y, channels * lobes * sizeof(double));
+    memcpy(copy.arrays, model->x, channels * sizeof(double));
+    memcpy(copy.arrays + channels, model->y, channels * lobes * sizeof(double));
     memcpy(copy.arrays + channels * (1 + lobes), result->channel_scale, channels * sizeof(double));
     memcpy(copy.arrays + channels * (2 + lobes), result->rms, channels * sizeof(double));
-    copy.result.model.x = copy.result.model.y = copy.result.channel_scale = copy.result.rms = NULL;
+    for (p = 0; p < lobes; p++) {
+        memcpy(&copy.lobe[p], result->lobe[p], sizeof copy.lobe[p]);
+        copy.sigma[p] = model->sigma[p];
+    }
+    copy.result.model = NULL;
+    copy.result.lobe = NULL;
+    copy.result.samples_skipped = NULL;
+    copy.result.channel_scale = copy.result.rms = NULL;
     return copy;
 }
 
@@ -68,6 +84,8 @@ static int same_bits(const struct copy *one, const brdffit_result *result)
 {
     struct copy other = copy_of(result);
     int same = one->doubles == other.doubles && !memcmp(&one->result, &other.result, sizeof one->result) &&
+               !memcmp(one->lobe, other.lobe, sizeof one->lobe) &&
+               !memcmp(one->sigma, other.sigma, sizeof one->sigma) &&
                !memcmp(one->arrays, other.arrays, one->doubles * sizeof(double));
 
     free(other.arrays);
@@ -81,14 +99,14 @@ static int survives_environments(const brdffit_samples *samples, const brdffit_o
 
     for (i = 0; i < sizeof modes / sizeof modes[0]; i++) {
         unsigned callers = mode_now(), after;
-        brdffit_result result;
+        const brdffit_result *result;
         brdffit_status status;
 
         set_mode(modes[i]);
         status = brdffit_fit(samples, options, workspace, size, &result, NULL);
         after = mode_now();
         set_mode(callers);
-        if (status != BRDFFIT_OK || after != modes[i] || !same_bits(first, &result)) {
+        if (status != BRDFFIT_OK || after != modes[i] || !same_bits(first, result)) {
             fprintf(stderr, "stress_fit: environment %#x: status %d, left as %#x, or other bits\n", modes[i], status,
                     after);
             return 0;
@@ -120,11 +138,11 @@ static void print_numbers(const char *name, const double *values, size_t count)
 static void print_result(const char *file, const struct copy *copy, int same, double tight_bound)
 {
     const brdffit_result *r = &copy->result;
-    size_t channels = r->model.channels, lobes = (size_t)r->model.lobes, p;
+    size_t channels = copy->channels, lobes = copy->lobes, p;
 
     printf("{\"file\":\"%s\",\"stop\":\"%s\",\"certified\":%d,\"boxes\":%zu,\"same_bits\":%d", file,
            brdffit_stop_string(r->stop), r->certified, r->boxes, same);
-    print_numbers("sigma", r->model.sigma, lobes);
+    print_numbers("sigma", copy->sigma, lobes);
     print_numbers("x", copy->arrays, channels);
     print_numbers("y", copy->arrays + channels, channels * lobes);
     print_numbers("scale", copy->arrays + channels * (1 + lobes), channels);
@@ -135,7 +153,7 @@ static void print_result(const char *file, const struct copy *copy, int same, do
     print_number("sigma_floor", r->sigma_floor);
     printf(",\"interval\":[");
     for (p = 0; p < lobes; p++) {
-        printf("%s[%.17g,%.17g]", p ? "," : "", r->lobe[p].sigma_low, r->lobe[p].sigma_high);
+        printf("%s[%.17g,%.17g]", p ? "," : "", copy->lobe[p].sigma_low, copy->lobe[p].sigma_high);
     }
     printf("]}\n");
 }
@@ -147,7 +165,7 @@ static void print_result(const char *file, const struct copy *copy, int same, do
 static double bound_at_rounding(const brdffit_samples *samples, const brdffit_options *options)
 {
     brdffit_options tight = *options;
-    brdffit_result *result;
+    const brdffit_result *result;
     double bound = NAN;
 
     tight.relative_gap = 1e-300;
@@ -155,7 +173,7 @@ static double bound_at_rounding(const brdffit_samples *samples, const brdffit_op
     tight.box_budget = 20000;
     if (brdffit_fit_new(samples, &tight, &result, NULL) == BRDFFIT_OK) {
         bound = result->lower_bound;
-        brdffit_fit_free(result);
+        brdffit_result_free(result);
     }
     return bound;
 }
@@ -163,7 +181,7 @@ static double bound_at_rounding(const brdffit_samples *samples, const brdffit_op
 static int fit_file(const char *file, const brdffit_options *options)
 {
     brdffit_table *table = NULL;
-    brdffit_result result;
+    const brdffit_result *result;
     brdffit_error error;
     struct copy copy;
     void *workspace;
@@ -173,16 +191,17 @@ static int fit_file(const char *file, const brdffit_options *options)
         fprintf(stderr, "%s: %s (line %zu)\n", file, error.message, error.line);
         return 0;
     }
-    size = brdffit_workspace_size(table->samples.count, table->samples.channels, options);
+    size = brdffit_workspace_size(table->samples->count, table->samples->channels, options);
     workspace = malloc(size);
-    if (!workspace || brdffit_fit(&table->samples, options, workspace, size, &result, &error) != BRDFFIT_OK) {
+    if (!workspace || brdffit_fit(table->samples, options, workspace, size, &result, &error) != BRDFFIT_OK) {
         printf("{\"file\":\"%s\",\"error\":\"%s\"}\n", file, workspace ? error.message : "no memory");
     } else {
-        copy = copy_of(&result);
+        copy = copy_of(result);
         /* A long search is not run ten times. */
         print_result(file, &copy,
-                     result.boxes > 30000 || survives_environments(&table->samples, options, workspace, size, &copy),
-                     bound_at_rounding(&table->samples, options));
+                     copy.result.boxes > 30000 ||
+                         survives_environments(table->samples, options, workspace, size, &copy),
+                     bound_at_rounding(table->samples, options));
         free(copy.arrays);
     }
     free(workspace);

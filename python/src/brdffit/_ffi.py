@@ -79,33 +79,34 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "brdffit_isa_string": (c_char_p, [c_int]),
     "brdffit_isa_supported": (c_int, [c_int]),
     "brdffit_stop_string": (c_char_p, [c_int]),
-    "brdffit_samples_init": (None, [c_void_p]),
-    "brdffit_options_init": (None, [c_void_p]),
+    "brdffit_samples_init_sized": (None, [c_void_p, c_size_t]),
+    "brdffit_options_init_sized": (None, [c_void_p, c_size_t]),
+    "brdffit_model_init_sized": (None, [c_void_p, c_size_t]),
     "brdffit_workspace_size": (c_size_t, [c_size_t, c_size_t, POINTER(structs.Options)]),
     "brdffit_fit": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), c_void_p, c_size_t,
-                            POINTER(structs.Result), POINTER(structs.Error)]),
+                            POINTER(c_void_p), POINTER(structs.Error)]),
     "brdffit_fit_new": (c_int, [POINTER(structs.Samples), POINTER(structs.Options),
                                 POINTER(POINTER(structs.Result)), POINTER(structs.Error)]),
-    "brdffit_fit_free": (None, [POINTER(structs.Result)]),
-    "brdffit_verify_socp": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), c_double, c_void_p, c_size_t,
-                                    POINTER(structs.Reproof), POINTER(structs.Error)]),
+    "brdffit_result_free": (None, [POINTER(structs.Result)]),
+    "brdffit_verify": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), c_double, c_void_p, c_size_t,
+                               POINTER(POINTER(structs.Verification)), POINTER(structs.Error)]),
     "brdffit_inspect": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), POINTER(c_size_t),
-                                POINTER(c_size_t), POINTER(structs.Error)]),
+                                POINTER(c_size_t), c_size_t, POINTER(structs.Error)]),
     "brdffit_eval": (c_int, [POINTER(structs.Model), POINTER(structs.Samples), c_void_p, POINTER(structs.Error)]),
     "brdffit_texel_status_string": (c_char_p, [c_int]),
     "brdffit_plan_size": (c_size_t, [POINTER(structs.Samples), POINTER(structs.Options)]),
     "brdffit_plan_init": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), c_void_p, c_size_t,
                                   POINTER(c_void_p), POINTER(structs.Error)]),
     "brdffit_many_workspace_size": (c_size_t, [c_void_p]),
-    "brdffit_texels_init": (None, [c_void_p, c_void_p]),
-    "brdffit_texel_results_init": (None, [c_void_p]),
-    "brdffit_many_stats_init": (None, [c_void_p]),
+    "brdffit_texels_init_sized": (None, [c_void_p, c_size_t, c_void_p]),
+    "brdffit_texel_results_init_sized": (None, [c_void_p, c_size_t]),
+    "brdffit_many_stats_init_sized": (None, [c_void_p, c_size_t]),
     "brdffit_fit_many": (c_int, [c_void_p, POINTER(structs.Texels), POINTER(structs.TexelResults), c_void_p, c_size_t,
                                  POINTER(structs.ManyStats), POINTER(structs.Error)]),
 }
 _IO_PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "brdffit_io_drop_string": (c_char_p, [c_int]),
-    "brdffit_io_options_init": (None, [c_void_p]),
+    "brdffit_io_options_init_sized": (None, [c_void_p, c_size_t]),
     "brdffit_io_read": (c_int, [c_char_p, POINTER(structs.IoOptions), POINTER(POINTER(structs.Table)),
                                 POINTER(structs.Error)]),
     "brdffit_io_free": (None, [POINTER(structs.Table)]),
@@ -129,21 +130,6 @@ def _check_version(core: ctypes.CDLL, path: str) -> None:
         raise LibraryError("%s is version %s; this package needs %s" % (path, version, __version__))
 
 
-def _check_sizes(core: ctypes.CDLL, io: ctypes.CDLL, path: str) -> None:
-    """Each init function says how large the library takes its structure to be. It writes that many bytes, so they go
-    into a buffer with room to spare."""
-    for name, structure, library in (("brdffit_samples", structs.Samples, core),
-                                     ("brdffit_options", structs.Options, core),
-                                     ("brdffit_texel_results", structs.TexelResults, core),
-                                     ("brdffit_many_stats", structs.ManyStats, core),
-                                     ("brdffit_io_options", structs.IoOptions, io)):
-        room = ctypes.create_string_buffer(ctypes.sizeof(structure) + 4096)
-        getattr(library, name + "_init")(room)
-        size = ctypes.cast(room, POINTER(c_size_t))[0]
-        if size != ctypes.sizeof(structure):
-            raise LibraryError("%s has another %s: %d bytes, not %d" % (path, name, size, ctypes.sizeof(structure)))
-
-
 class Library:
     """The loaded library: `core` (brdffit.h) and `io` (brdffit_io.h), which may be one."""
 
@@ -154,7 +140,6 @@ class Library:
         _declare(self.core, _PROTOTYPES, path)
         _declare(self.io, _IO_PROTOTYPES, path)
         _check_version(self.core, path)
-        _check_sizes(self.core, self.io, path)
 
     @property
     def version(self) -> str:
@@ -162,17 +147,22 @@ class Library:
 
     def options(self) -> structs.Options:
         out = structs.Options()
-        self.core.brdffit_options_init(byref(out))
+        self.core.brdffit_options_init_sized(byref(out), ctypes.sizeof(out))
         return out
 
     def samples(self) -> structs.Samples:
         out = structs.Samples()
-        self.core.brdffit_samples_init(byref(out))
+        self.core.brdffit_samples_init_sized(byref(out), ctypes.sizeof(out))
+        return out
+
+    def model(self) -> structs.Model:
+        out = structs.Model()
+        self.core.brdffit_model_init_sized(byref(out), ctypes.sizeof(out))
         return out
 
     def io_options(self) -> structs.IoOptions:
         out = structs.IoOptions()
-        self.io.brdffit_io_options_init(byref(out))
+        self.io.brdffit_io_options_init_sized(byref(out), ctypes.sizeof(out))
         return out
 
 

@@ -1,7 +1,7 @@
 """The structures and enumerations of include/brdffit.h and include/brdffit_io.h, and nothing else.
 
-Every field stands in the header's order. tests/test_layout.py compiles a C program that prints the offset of each
-field and compares; _ffi.py compares the sizes once more when it loads the library.
+Every field stands in the header's order. tests/test_py_layout.py compiles a C program that prints the offset of each
+field and compares. A later library of the same version number may know more fields: it goes by struct_size.
 
 SPDX-License-Identifier: MIT
 """
@@ -10,7 +10,6 @@ from __future__ import annotations
 import ctypes
 from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_ssize_t, c_uint, c_void_p
 
-MAX_LOBES = 2
 NONE = ctypes.c_size_t(-1).value  # BRDFFIT_NONE: "does not apply"
 
 # Enumerations: the position of a name is its value. Names are those of the C library's strings and of its JSON.
@@ -86,10 +85,11 @@ class Box(ctypes.Structure):
     """brdffit_box"""
 
     _fields_ = [
-        ("sigma_low", c_double * MAX_LOBES),
-        ("sigma_high", c_double * MAX_LOBES),
-        ("lower_bound", c_double),
+        ("lobes", c_int),
         ("level", c_int),
+        ("sigma_low", POINTER(c_double)),
+        ("sigma_high", POINTER(c_double)),
+        ("lower_bound", c_double),
     ]
 
 
@@ -121,6 +121,7 @@ class Options(ctypes.Structure):
         ("progress_user", c_void_p),
         ("box", BoxFunction),
         ("box_user", c_void_p),
+        ("distributions", c_void_p),
     ]
 
 
@@ -128,12 +129,14 @@ class Model(ctypes.Structure):
     """brdffit_model; arrays as bare addresses"""
 
     _fields_ = [
+        ("struct_size", c_size_t),
         ("distribution", c_int),
         ("lobes", c_int),
         ("channels", c_size_t),
-        ("sigma", c_double * MAX_LOBES),
+        ("sigma", c_void_p),
         ("x", c_void_p),
         ("y", c_void_p),
+        ("distributions", c_void_p),
     ]
 
 
@@ -157,8 +160,8 @@ class Result(ctypes.Structure):
     """brdffit_result; arrays as bare addresses"""
 
     _fields_ = [
-        ("model", Model),
-        ("lobe", Lobe * MAX_LOBES),
+        ("model", POINTER(Model)),
+        ("lobe", POINTER(POINTER(Lobe))),
         ("channel_scale", c_void_p),
         ("rms", c_void_p),
         ("rms_total", c_double),
@@ -174,19 +177,19 @@ class Result(ctypes.Structure):
         ("certified", c_int),
         ("boxes", c_size_t),
         ("nodes", c_size_t),
-        ("socp_solved", c_size_t),
-        ("socp_refused", c_size_t),
-        ("socp_decided", c_size_t),
+        ("programs_solved", c_size_t),
+        ("programs_refused", c_size_t),
+        ("programs_decided", c_size_t),
         ("distinct_c", c_size_t),
         ("channels_zero", c_size_t),
         ("channels_identical", c_size_t),
         ("samples_used", c_size_t),
-        ("samples_skipped", c_size_t * len(SKIP)),
+        ("samples_skipped", POINTER(c_size_t)),
     ]
 
 
-class Reproof(ctypes.Structure):
-    """brdffit_reproof"""
+class Verification(ctypes.Structure):
+    """brdffit_verification"""
 
     _fields_ = [
         ("level", c_double),
@@ -268,8 +271,8 @@ class IoOptions(ctypes.Structure):
         ("quantity", c_int),
         ("merl_bins", c_int),
         ("merl_sampling", c_int),
-        ("directions", POINTER(Samples)),
         ("directions_only", c_int),
+        ("directions", POINTER(Samples)),
     ]
 
 
@@ -277,12 +280,12 @@ class Table(ctypes.Structure):
     """brdffit_table"""
 
     _fields_ = [
-        ("samples", Samples),
+        ("samples", POINTER(Samples)),
         ("channel_names", POINTER(c_char_p)),
         ("lines", POINTER(c_size_t)),
         ("format", c_int),
         ("compressed", c_int),
-        ("dropped", c_size_t * len(DROP)),
+        ("dropped", POINTER(c_size_t)),
         ("negative", c_size_t),
         ("dims", c_size_t * 3),
         ("rows", c_size_t),
@@ -302,7 +305,7 @@ C_NAMES = {
     "brdffit_model": Model,
     "brdffit_lobe": Lobe,
     "brdffit_result": Result,
-    "brdffit_reproof": Reproof,
+    "brdffit_verification": Verification,
     "brdffit_texels": Texels,
     "brdffit_texel_results": TexelResults,
     "brdffit_many_stats": ManyStats,

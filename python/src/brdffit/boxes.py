@@ -58,9 +58,10 @@ def fit_boxes(samples: SamplesLike, **options: Unpack[FitOptions]) -> tuple[Fit,
 
     def receive(user: object, box: Any) -> None:
         b = box.contents
-        rows.append((b.sigma_low[0], b.sigma_low[1], b.sigma_high[0], b.sigma_high[1], b.lower_bound, b.level))
+        rows.append((*b.sigma_low[:b.lobes], *b.sigma_high[:b.lobes], b.lower_bound, b.level))
 
     fit = run(data, asked, None, None, {}, receive)
-    table = np.array(rows).reshape(-1, 6)
-    return fit, Boxes(freeze(table[:, :fit.lobes].copy()), freeze(table[:, 2:2 + fit.lobes].copy()),
-                      freeze(table[:, 4].copy()), freeze(table[:, 5].astype(np.intc)))
+    n = fit.lobes
+    table = np.array(rows).reshape(-1, 2 * n + 2)
+    return fit, Boxes(freeze(table[:, :n].copy()), freeze(table[:, n:2 * n].copy()), freeze(table[:, 2 * n].copy()),
+                      freeze(table[:, 2 * n + 1].astype(np.intc)))

@@ -139,11 +139,11 @@ class Fit(Frozen):
         ffi = library()
         at.quantity = choose("quantity", self.quantity if quantity is None else quantity, structs.QUANTITY)
         self._check_model()
-        x, y = floats("x", self.x), floats("y", self.y)
-        model = structs.Model(distribution=structs.DISTRIBUTION.index(self.distribution), lobes=self.lobes,
-                              channels=len(x))
-        model.sigma[:self.lobes] = list(self.sigma)
-        model.x, model.y = address(x), address(y)
+        sigma, x, y = floats("sigma", self.sigma), floats("x", self.x), floats("y", self.y)
+        model = ffi.model()
+        model.distribution, model.lobes = structs.DISTRIBUTION.index(self.distribution), self.lobes
+        model.channels = len(x)
+        model.sigma, model.x, model.y = address(sigma), address(x), address(y)
         out = np.zeros((at.count, len(x)))
         error = structs.Error()
         if ffi.core.brdffit_eval(byref(model), byref(at), out.ctypes.data, byref(error)) != 0:
@@ -270,7 +270,7 @@ def run(samples: Samples, options: Options, verify: float | None, progress: Prog
         proof = None if verify is None else _verify(samples, options, result.contents, verify)
         return convert(result.contents, samples, options, proof, {**read, **observer.seconds(began, ended)})
     finally:
-        ffi.core.brdffit_fit_free(result)
+        ffi.core.brdffit_result_free(result)
 
 
 def _verify(samples: Samples, options: Options, result: structs.Result, margin: float) -> dict[str, Any]:
@@ -279,16 +279,17 @@ def _verify(samples: Samples, options: Options, result: structs.Result, margin: 
     c_samples = samples._struct()
     size = ffi.core.brdffit_workspace_size(c_samples.count, c_samples.channels, byref(c_options))
     workspace = np.empty(size, np.uint8)  # its pages exist once they are touched
-    reproof, error = structs.Reproof(), structs.Error()
+    made, error = POINTER(structs.Verification)(), structs.Error()
     began = time.perf_counter()
-    if ffi.core.brdffit_verify_socp(byref(c_samples), byref(c_options), result.lower_bound * (1 - margin),
-                                    workspace.ctypes.data, size, byref(reproof), byref(error)) != 0:
+    if ffi.core.brdffit_verify(byref(c_samples), byref(c_options), result.lower_bound * (1 - margin),
+                               workspace.ctypes.data, size, byref(made), byref(error)) != 0:
         raise from_struct(error, path=samples.file)
-    proven = bool(reproof.proven)
-    return {"engine": "socp", "level": reproof.level, "proven": proven, "unproven": reproof.unproven,
-            "stop": None if proven else structs.STOP[reproof.stop], "boxes": int(reproof.boxes),
-            "leaves": int(reproof.leaves), "solved": int(reproof.solved), "refused": int(reproof.refused),
-            "decided": int(reproof.decided), "seconds": time.perf_counter() - began}
+    v = made.contents  # in the workspace
+    proven = bool(v.proven)
+    return {"engine": "socp", "level": v.level, "proven": proven, "unproven": v.unproven,
+            "stop": None if proven else structs.STOP[v.stop], "boxes": int(v.boxes), "leaves": int(v.leaves),
+            "solved": int(v.solved), "refused": int(v.refused), "decided": int(v.decided),
+            "seconds": time.perf_counter() - began}
 
 
 def _copy(start: int, count: int) -> Floats:
@@ -297,33 +298,35 @@ def _copy(start: int, count: int) -> Floats:
 
 
 # Words of a brdffit_lobe, and where each of its figures is.
-_LOBE_WIDTH = ctypes.sizeof(structs.Lobe) // 8
+_LOBE_BYTES = ctypes.sizeof(structs.Lobe)
 _LOBE = {field[0]: getattr(structs.Lobe, field[0]).offset // 8 for field in structs.Lobe._fields_}
 _FIGURES = ("e2", "e2_error", "lower_bound", "gap", "rms_total", "sum_of_squares", "kkt_residual", "samples_used", "boxes",
             "nodes", "distinct_c")
 
 
 def _warned(r: structs.Result, lobes: int) -> tuple[tuple[str, ...], ...]:
-    bits = [r.lobe[p].warnings for p in range(lobes)]
+    bits = [r.lobe[p].contents.warnings for p in range(lobes)]
     return tuple(tuple(word for bit, word in enumerate(structs.WARNINGS) if b >> bit & 1) if b else () for b in bits)
 
 
 def convert(r: structs.Result, samples: Samples, options: Options, proof: Mapping[str, Any] | None,
             seconds: Mapping[str, float] | None) -> Fit:
     """A brdffit_result as a Fit that owns its memory."""
-    lobes, channels = r.model.lobes, r.model.channels
+    model = r.model.contents
+    lobes, channels = model.lobes, model.channels
     by_exponent = options.distribution in BY_EXPONENT
-    skipped = dict(zip(structs.SKIP, r.samples_skipped), **{reason: int(samples.dropped.get(reason, 0))
-                                                           for reason in structs.DROP})
-    table = np.frombuffer(bytes(r.lobe), np.float64).reshape(structs.MAX_LOBES, _LOBE_WIDTH)[:lobes]
+    skipped = dict(zip(structs.SKIP, r.samples_skipped[:len(structs.SKIP)]), **{
+        reason: int(samples.dropped.get(reason, 0)) for reason in structs.DROP})
+    table = np.frombuffer(b"".join(ctypes.string_at(r.lobe[p], _LOBE_BYTES) for p in range(lobes)),
+                          np.float64).reshape(lobes, -1)
     n = _LOBE["exponent"]
     fit = object.__new__(Fit)
     # What Fit() does, one member after the other and slower than a small fit. A test holds the two against each other.
     fit.__dict__.update(
         status="certified" if r.certified else "gap_open", distribution=options.distribution, norm=options.norm,
         engine=options.engine if options.norm == "l2" else None, lobes=lobes,
-        sigma=_copy(ctypes.addressof(r.model.sigma), lobes), exponent=table[:, n] if by_exponent else None,
-        x=_copy(r.model.x, channels), y=_copy(r.model.y, channels * lobes).reshape(channels, lobes),
+        sigma=_copy(model.sigma, lobes), exponent=table[:, n] if by_exponent else None,
+        x=_copy(model.x, channels), y=_copy(model.y, channels * lobes).reshape(channels, lobes),
         channel_scale=_copy(r.channel_scale, channels), rms=_copy(r.rms, channels),
         **{name: getattr(r, name) for name in _FIGURES}, samples_skipped=skipped, socp=_socp(r), verify=proof,
         stop=structs.STOP[r.stop], weight=table[:, _LOBE["weight"]], effective_samples=table[:, _LOBE["effective_samples"]],
@@ -340,6 +343,6 @@ def convert(r: structs.Result, samples: Samples, options: Options, proof: Mappin
 
 
 def _socp(r: structs.Result) -> dict[str, int] | None:
-    if r.socp_solved + r.socp_decided == 0:
+    if r.programs_solved + r.programs_decided == 0:
         return None
-    return {"solved": int(r.socp_solved), "refused": int(r.socp_refused), "decided": int(r.socp_decided)}
+    return {"solved": int(r.programs_solved), "refused": int(r.programs_refused), "decided": int(r.programs_decided)}

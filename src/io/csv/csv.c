@@ -15,12 +15,12 @@
 static void open_arrays(const struct csv_layout *layout, struct io_table *table)
 {
     if (layout->kind == CSV_COEFFICIENTS) {
-        table->open.samples.form = BRDFFIT_FORM_COEFFICIENTS;
+        table->samples.form = BRDFFIT_FORM_COEFFICIENTS;
         table->width[IO_A] = 1;
         table->width[IO_B] = 1;
         table->width[IO_C] = 1;
     } else {
-        table->open.samples.form = BRDFFIT_FORM_DIRECTIONS;
+        table->samples.form = BRDFFIT_FORM_DIRECTIONS;
         table->width[IO_LIGHT] = 3;
         table->width[IO_VIEW] = 3;
         table->width[IO_NORMAL] = brdffit_io_csv_has(layout, CSV_NX) ? 3 : 0;
@@ -34,7 +34,7 @@ static brdffit_status choose_quantity(const struct csv_layout *layout, const brd
 {
     int coefficients = layout->kind == CSV_COEFFICIENTS;
 
-    table->open.samples.quantity = coefficients ? BRDFFIT_QUANTITY_RADIANCE : BRDFFIT_QUANTITY_BRDF;
+    table->samples.quantity = coefficients ? BRDFFIT_QUANTITY_RADIANCE : BRDFFIT_QUANTITY_BRDF;
     if (!options->quantity_set) {
         return BRDFFIT_OK;
     }
@@ -42,7 +42,7 @@ static brdffit_status choose_quantity(const struct csv_layout *layout, const brd
         return brdffit_io_fail(error, BRDFFIT_ERR_OPTION,
                                "a table of a, b, c holds radiance: there is no n.l to turn f_r into it");
     }
-    table->open.samples.quantity = options->quantity;
+    table->samples.quantity = options->quantity;
     return BRDFFIT_OK;
 }
 
@@ -52,7 +52,7 @@ static brdffit_status rows(struct io_lines *lines, const struct csv_layout *layo
     struct io_field line;
 
     while (brdffit_io_next_line(lines, &line)) {
-        size_t count = table->open.samples.count;
+        size_t count = table->samples.count;
         brdffit_status status;
 
         if (count == table->capacity &&
@@ -68,7 +68,7 @@ static brdffit_status rows(struct io_lines *lines, const struct csv_layout *layo
     if (table->open.rows == 0) {
         return brdffit_io_fail(error, BRDFFIT_ERR_NO_SAMPLES, "there are no data lines below the header");
     }
-    if (table->open.samples.count == 0) {
+    if (table->samples.count == 0) {
         return brdffit_io_fail(error, BRDFFIT_ERR_NO_SAMPLES, "every data line has an empty channel field");
     }
     return BRDFFIT_OK;

@@ -186,7 +186,7 @@ brdffit_status brdffit_io_csv_row(const struct io_field *line, size_t line_numbe
     row.error = error;
     row.c_locale = c_locale;
     row.line = line_number;
-    row.sample = table->open.samples.count;
+    row.sample = table->samples.count;
     if (split != IO_SPLIT_OK) {
         return fail_split(&row, split, found);
     }
@@ -204,11 +204,11 @@ brdffit_status brdffit_io_csv_row(const struct io_field *line, size_t line_numbe
         return status;
     }
     if (absent) {
-        table->open.dropped[BRDFFIT_IO_DROP_ABSENT]++;
+        table->dropped[BRDFFIT_IO_DROP_ABSENT]++;
         return BRDFFIT_OK;
     }
     table->open.negative += (size_t)negative;
     table->open.lines[row.sample] = line_number;
-    table->open.samples.count++;
+    table->samples.count++;
     return BRDFFIT_OK;
 }

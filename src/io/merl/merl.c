@@ -7,6 +7,7 @@
 
 #include "io/fail.h"
 #include "io/limits.h"
+#include "io/options.h"
 
 const double brdffit_io_merl_scale[MERL_CHANNELS] = {1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0};
 
@@ -119,7 +120,7 @@ int brdffit_io_merl_describe(const struct merl *merl, const brdffit_io_options *
     table->open.rows = merl->cells;
     table->open.merl_bins = options->merl_bins;
     table->open.merl_sampling = options->merl_sampling;
-    table->open.samples.quantity = options->quantity_set ? options->quantity : BRDFFIT_QUANTITY_BRDF;
+    table->samples.quantity = options->quantity_set ? options->quantity : BRDFFIT_QUANTITY_BRDF;
     return name_channels(table);
 }
 
@@ -133,19 +134,21 @@ static brdffit_status sample(const struct merl *merl, const brdffit_io_options *
                              brdffit_error *error)
 {
     double light[84 * 3], view[84 * 3];
-    brdffit_samples protocol;
+    brdffit_samples at;
 
     switch (options->merl_sampling) {
     case BRDFFIT_IO_MERL_TABLE: return brdffit_io_merl_all(merl, options->merl_bins, table, error);
-    case BRDFFIT_IO_MERL_DIRECTIONS: return brdffit_io_merl_at(merl, options->directions, table, error);
+    case BRDFFIT_IO_MERL_DIRECTIONS:
+        (void)brdffit_io_directions(options, &at); /* checked with the options */
+        return brdffit_io_merl_at(merl, &at, table, error);
     case BRDFFIT_IO_MERL_PROTOCOL84: break;
     }
     brdffit_io_protocol84(light, view);
-    brdffit_samples_init(&protocol);
-    protocol.count = 84;
-    protocol.light = light;
-    protocol.view = view;
-    return brdffit_io_merl_at(merl, &protocol, table, error);
+    brdffit_samples_init(&at);
+    at.count = 84;
+    at.light = light;
+    at.view = view;
+    return brdffit_io_merl_at(merl, &at, table, error);
 }
 
 brdffit_status brdffit_io_merl_read(const unsigned char *data, size_t size, const brdffit_io_options *options,
@@ -164,7 +167,7 @@ brdffit_status brdffit_io_merl_read(const unsigned char *data, size_t size, cons
         return brdffit_io_no_memory(error);
     }
     status = sample(&merl, options, table, error);
-    if (status == BRDFFIT_OK && table->open.samples.count == 0) {
+    if (status == BRDFFIT_OK && table->samples.count == 0) {
         return brdffit_io_merl_empty(error);
     }
     if (status == BRDFFIT_OK) {

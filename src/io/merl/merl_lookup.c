@@ -141,7 +141,7 @@ static void to_frame(const double n[3], const double u[3], double out[3])
 
 static void open_arrays(const brdffit_samples *directions, struct io_table *table)
 {
-    table->open.samples.form = BRDFFIT_FORM_DIRECTIONS;
+    table->samples.form = BRDFFIT_FORM_DIRECTIONS;
     table->width[IO_LIGHT] = 3;
     table->width[IO_VIEW] = 3;
     table->width[IO_NORMAL] = directions->normal ? 3 : 0;
@@ -151,7 +151,7 @@ static void open_arrays(const brdffit_samples *directions, struct io_table *tabl
 static void look_up(const struct merl *merl, const brdffit_samples *at, size_t i, struct io_table *table)
 {
     static const double up[3] = {0.0, 0.0, 1.0};
-    const size_t vector = 3 * sizeof(double), to = table->open.samples.count;
+    const size_t vector = 3 * sizeof(double), to = table->samples.count;
     double n[3], u[3], l[3], v[3], entry[MERL_CHANNELS];
     size_t cell, k;
 
@@ -161,7 +161,7 @@ static void look_up(const struct merl *merl, const brdffit_samples *at, size_t i
     unit(at->view + 3 * i, u);
     to_frame(n, u, v);
     if (!(l[2] > IO_HORIZON && v[2] > IO_HORIZON)) {
-        table->open.dropped[BRDFFIT_IO_DROP_BELOW_HORIZON]++;
+        table->dropped[BRDFFIT_IO_DROP_BELOW_HORIZON]++;
         return;
     }
     cell = brdffit_io_merl_cell(merl->dims, l, v);
@@ -169,7 +169,7 @@ static void look_up(const struct merl *merl, const brdffit_samples *at, size_t i
         entry[k] = brdffit_io_merl_entry(merl, k, cell);
     }
     if (entry[0] < 0.0 || entry[1] < 0.0 || entry[2] < 0.0) {
-        table->open.dropped[BRDFFIT_IO_DROP_MASKED]++;
+        table->dropped[BRDFFIT_IO_DROP_MASKED]++;
         return;
     }
     for (k = 0; k < MERL_CHANNELS; k++) {
@@ -183,7 +183,7 @@ static void look_up(const struct merl *merl, const brdffit_samples *at, size_t i
     if (at->weights) {
         table->array[IO_WEIGHTS][to] = at->weights[i];
     }
-    table->open.samples.count++;
+    table->samples.count++;
 }
 
 brdffit_status brdffit_io_merl_at(const struct merl *merl, const brdffit_samples *directions, struct io_table *table,

@@ -68,10 +68,10 @@ static brdffit_status sum_table(const struct merl *merl, const brdffit_io_option
         status = add_rows(merl, axis, table->open.sums, cells, error);
     }
     brdffit_io_merl_axes_free(axis);
-    table->open.samples.form = BRDFFIT_FORM_ANGLES;
-    table->open.samples.count = cells[BRDFFIT_CELL_SAMPLE];
-    table->open.dropped[BRDFFIT_IO_DROP_BELOW_HORIZON] = cells[BRDFFIT_CELL_BELOW_HORIZON];
-    table->open.dropped[BRDFFIT_IO_DROP_MASKED] = cells[BRDFFIT_CELL_ABSENT];
+    table->samples.form = BRDFFIT_FORM_ANGLES;
+    table->samples.count = cells[BRDFFIT_CELL_SAMPLE];
+    table->dropped[BRDFFIT_IO_DROP_BELOW_HORIZON] = cells[BRDFFIT_CELL_BELOW_HORIZON];
+    table->dropped[BRDFFIT_IO_DROP_MASKED] = cells[BRDFFIT_CELL_ABSENT];
     return status;
 }
 
@@ -95,5 +95,5 @@ brdffit_status brdffit_io_merl_sum(const unsigned char *data, size_t size, const
         status = brdffit_io_merl_finite(&merl, error); /* names the cell */
         return status == BRDFFIT_OK ? BRDFFIT_ERR_UNSUPPORTED : status;
     }
-    return status == BRDFFIT_OK && table->open.samples.count == 0 ? brdffit_io_merl_empty(error) : status;
+    return status == BRDFFIT_OK && table->samples.count == 0 ? brdffit_io_merl_empty(error) : status;
 }

@@ -85,8 +85,8 @@ static size_t fill_cells(const struct merl *merl, const struct cells *cells, con
         values[3 * at + 2] = blue * b;
         at++;
     }
-    table->open.dropped[BRDFFIT_IO_DROP_BELOW_HORIZON] += below;
-    table->open.dropped[BRDFFIT_IO_DROP_MASKED] += bins - below - (at - start);
+    table->dropped[BRDFFIT_IO_DROP_BELOW_HORIZON] += below;
+    table->dropped[BRDFFIT_IO_DROP_MASKED] += bins - below - (at - start);
     return at;
 }
 
@@ -108,7 +108,7 @@ static void fill(const struct merl *merl, const struct merl_axis axis[3], struct
             cells.first += merl->dims[2];
         }
     }
-    table->open.samples.count = count;
+    table->samples.count = count;
 }
 
 int brdffit_io_merl_axes_new(struct merl_axis axis[3], const size_t dims[3], brdffit_io_merl_bins bins)
@@ -140,7 +140,7 @@ brdffit_status brdffit_io_merl_all(const struct merl *merl, brdffit_io_merl_bins
     struct merl_axis axis[3];
     int enough = brdffit_io_merl_axes_new(axis, merl->dims, bins);
 
-    table->open.samples.form = BRDFFIT_FORM_ANGLES;
+    table->samples.form = BRDFFIT_FORM_ANGLES;
     table->width[IO_COS_LIGHT] = 1;
     table->width[IO_COS_VIEW] = 1;
     table->width[IO_TAN2_HALF] = 1;

@@ -74,7 +74,7 @@ class Plan:
         zeros = np.zeros(self.samples)
         samples.channels, samples.values = 1, address(zeros)
         skipped = (ctypes.c_size_t * len(structs.SKIP))()
-        library().core.brdffit_inspect(byref(samples), byref(options), None, skipped, None)
+        library().core.brdffit_inspect(byref(samples), byref(options), None, skipped, len(structs.SKIP), None)
         return {reason: int(skipped[i]) for i, reason in enumerate(structs.SKIP)}
 
 
@@ -88,7 +88,7 @@ def check_build(options: structs.Options) -> None:
     one.light = one.view = one.values = address(up)
     result, error = POINTER(structs.Result)(), structs.Error()
     core.brdffit_fit_new(byref(one), byref(options), byref(result), byref(error))
-    core.brdffit_fit_free(result)
+    core.brdffit_result_free(result)
     if error.status == structs.STATUS.index("unsupported"):
         raise from_struct(error)
 
@@ -131,9 +131,9 @@ class Worker:
         self.plan, self.stack, self.mask = plan, stack, mask
         self.workspace = np.empty(max(1, plan.workspace_size), np.uint8)  # its pages exist once they are touched
         self.texels, self.results, self.stats = structs.Texels(), structs.TexelResults(), structs.ManyStats()
-        core.brdffit_texels_init(byref(self.texels), plan.pointer)
-        core.brdffit_texel_results_init(byref(self.results))
-        core.brdffit_many_stats_init(byref(self.stats))
+        core.brdffit_texels_init_sized(byref(self.texels), ctypes.sizeof(self.texels), plan.pointer)
+        core.brdffit_texel_results_init_sized(byref(self.results), ctypes.sizeof(self.results))
+        core.brdffit_many_stats_init_sized(byref(self.stats), ctypes.sizeof(self.stats))
         self.texels.scale = scale
         self._to = [(name, int(array.ctypes.data), array.strides[0]) for name, array in results.items()]
         self._keep = results

@@ -100,14 +100,14 @@ def _evaluate(fits: FitMap, at: structs.Samples, directions: _Directions, out: F
     if sigma.shape[:-1] != fits.shape or x.shape[:-1] != fits.shape or y.shape != (*x.shape, lobes):
         raise DataError("sigma, x and y of shapes %s, %s and %s do not belong to texels of shape %s" % (
             sigma.shape, x.shape, y.shape, fits.shape), code="argument")
-    model = structs.Model(distribution=structs.DISTRIBUTION.index(fits.options.distribution), lobes=lobes,
-                          channels=channels)
+    model = library().model()
+    model.distribution, model.lobes = structs.DISTRIBUTION.index(fits.options.distribution), lobes
+    model.channels = channels
     words = np.frombuffer(memoryview(model).cast("B"), np.uintp)
     at_sigma, at_x, at_y = (getattr(structs.Model, name).offset // 8 for name in ("sigma", "x", "y"))
-    doubles, sigmas = words.view(np.float64), sigma.reshape(-1, lobes)
     error = structs.Error()
     model_argument, at_argument, error_argument = byref(model), byref(at), byref(error)
-    x_start, y_start, to = x.ctypes.data, y.ctypes.data, out.ctypes.data
+    sigma_start, x_start, y_start, to = (array.ctypes.data for array in (sigma, x, y, out))
     for first in range(0, len(out), _CHUNK):
         count = min(_CHUNK, len(out) - first)
         own = directions.lay_out(first, count)
@@ -116,7 +116,7 @@ def _evaluate(fits: FitMap, at: structs.Samples, directions: _Directions, out: F
             if not fitted[texel]:
                 out[texel] = np.nan
                 continue
-            doubles[at_sigma:at_sigma + lobes] = sigmas[texel]
+            words[at_sigma] = sigma_start + 8 * lobes * texel
             words[at_x] = x_start + 8 * channels * texel
             words[at_y] = y_start + 8 * channels * lobes * texel
             for name, start in own:

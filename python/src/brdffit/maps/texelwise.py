@@ -29,25 +29,20 @@ def check(given: Geometry, samples: int, channels: int, options: Options) -> Non
     c_options, c_samples, error = options._struct(), given.shared._struct(), structs.Error()
     check_build(c_options)
     # Having no sample left is no failure yet: a texel's own directions may leave some.
-    if core.brdffit_inspect(byref(c_samples), byref(c_options), None, None, byref(error)) not in (_OK, _NO_SAMPLES):
+    if core.brdffit_inspect(byref(c_samples), byref(c_options), None, None, 0, byref(error)) not in (_OK, _NO_SAMPLES):
         raise from_struct(error, path=given.shared.file, lines=given.shared.lines)
     if core.brdffit_workspace_size(samples, channels, byref(c_options)) == 0:
         raise DataError("%d samples and %d channels cannot be fitted" % (samples, channels), code="argument")
 
 
-def _at(structure: type[ctypes.Structure], *names: str) -> int:
+def _at(structure: type[ctypes.Structure], name: str) -> int:
     """Which 8-byte word of the structure a field is."""
-    offset = 0
-    inner: Any = structure
-    for name in names:
-        offset += getattr(inner, name).offset
-        inner = {field[0]: field[1] for field in inner._fields_}[name]
-    return offset // 8
+    return int(getattr(structure, name).offset) // 8
 
 
-_SIGMA, _X, _Y = (_at(structs.Result, "model", name) for name in ("sigma", "x", "y"))
-_SCALE, _BOXES, _NODES, _SKIPPED = (_at(structs.Result, name)
-                                    for name in ("channel_scale", "boxes", "nodes", "samples_skipped"))
+_SIGMA, _X, _Y = (_at(structs.Model, name) for name in ("sigma", "x", "y"))
+_MODEL, _SCALE, _BOXES, _NODES, _SKIPPED = (_at(structs.Result, name) for name in (
+    "model", "channel_scale", "boxes", "nodes", "samples_skipped"))
 _NUMBERS = tuple((name, _at(structs.Result, name)) for name in ("e2", "lower_bound", "sum_of_squares"))
 _SQUARES = _NUMBERS[2][1]
 
@@ -73,18 +68,22 @@ class Worker:
         self.samples.channels = stack.channels
         size = core.brdffit_workspace_size(stack.samples, stack.channels, byref(self.options))
         self.workspace = np.empty(max(1, size), np.uint8)  # its pages exist once they are touched
-        self.result, self.error = structs.Result(), structs.Error()
+        self._pointer, self.error = ctypes.c_void_p(), structs.Error()  # the result lies in the workspace
         self._arguments = (byref(self.samples), byref(self.options), self.workspace.ctypes.data, size,
-                           byref(self.result), byref(self.error))
-        # Memory as numbers: an element is read and written much faster than through ctypes or numpy.
+                           byref(self._pointer), byref(self.error))
+        # Copies of the result and its model, as numbers: an element is read and written much faster than through
+        # ctypes or numpy.
+        self.result, self._model = structs.Result(), structs.Model()
         whole = memoryview(self.result).cast("B")
         self._words, self._doubles = whole.cast("P"), whole.cast("d")
+        self._model_words = memoryview(self._model).cast("B").cast("P")
+        self._counted = (ctypes.c_size_t * len(structs.SKIP))()
         self._out: dict[str, Any] = {name: array.data for name, array in results.items() if array.ndim == 1}
         row = 8 * options.lobes
-        self._rows = tuple((results[name].ctypes.data, width, pointer) for name, width, pointer in (
-            ("x", 8 * stack.channels, _X), ("y", row * stack.channels, _Y),
-            ("channel_scale", 8 * stack.channels, _SCALE)))
-        self._sigma = (results["sigma"].ctypes.data, row, ctypes.addressof(self.result) + 8 * _SIGMA)
+        self._rows = tuple((results[name].ctypes.data, width, words, pointer) for name, width, words, pointer in (
+            ("sigma", row, self._model_words, _SIGMA), ("x", 8 * stack.channels, self._model_words, _X),
+            ("y", row * stack.channels, self._model_words, _Y),
+            ("channel_scale", 8 * stack.channels, self._words, _SCALE)))
         self._call: Callable[..., int] = core.brdffit_fit
         self._counts = dict.fromkeys((*texels.COUNTS, "no_samples"), 0)
         self._skipped = dict.fromkeys(structs.SKIP, 0)
@@ -150,12 +149,13 @@ class Worker:
 
     def _publish(self, texel: int) -> None:
         words, doubles, out, counts = self._words, self._doubles, self._out, self._counts
+        ctypes.memmove(byref(self.result), self._pointer, ctypes.sizeof(self.result))
+        ctypes.memmove(byref(self._model), words[_MODEL], ctypes.sizeof(self._model))
+        ctypes.memmove(self._counted, words[_SKIPPED], ctypes.sizeof(self._counted))
         status = (texels.NO_SIGNAL if not doubles[_SQUARES] > 0 else
                   texels.CERTIFIED if self.result.certified else texels.OPEN)
-        to, width, start = self._sigma
-        ctypes.memmove(to + width * texel, start, width)
-        for to, width, pointer in self._rows:
-            ctypes.memmove(to + width * texel, words[pointer], width)
+        for to, width, source, pointer in self._rows:
+            ctypes.memmove(to + width * texel, source[pointer], width)
         for name, at in _NUMBERS:
             out[name][texel] = doubles[at]
         out["status"][texel] = status
@@ -167,7 +167,7 @@ class Worker:
         counts["boxes"] += words[_BOXES]
         counts["nodes"] += words[_NODES]
         for i, reason in enumerate(structs.SKIP):
-            self._skipped[reason] += words[_SKIPPED + i]
+            self._skipped[reason] += self._counted[i]
 
     def counts(self) -> dict[str, int]:
         return self._counts

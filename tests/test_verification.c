@@ -1,5 +1,5 @@
 /*
- * brdffit_verify_socp(): bounds of engine moment proven again, levels above the optimum never, and what it counts.
+ * brdffit_verify(): bounds of engine moment proven again, levels above the optimum never, and what it counts.
  * SPDX-License-Identifier: MIT
  */
 #include <math.h>
@@ -36,50 +36,50 @@ static size_t socp_size(const brdffit_samples *samples, const brdffit_options *o
 static void verify_fails(const brdffit_samples *samples, const brdffit_options *options, double level,
                          brdffit_status expected)
 {
-    size_t size = socp_size(samples, options), i;
+    size_t size = socp_size(samples, options);
     void *workspace = malloc(size + 1);
-    brdffit_reproof reproof;
+    const brdffit_verification *verification = NULL;
     brdffit_error error;
 
     assert_non_null(workspace);
-    memset(&reproof, 0xa5, sizeof reproof);
-    assert_int_equal(brdffit_verify_socp(samples, options, level, workspace, size, &reproof, &error), expected);
+    assert_int_equal(brdffit_verify(samples, options, level, workspace, size, &verification, &error), expected);
     assert_int_equal(error.status, expected);
-    for (i = 0; i < sizeof reproof; i++) {
-        assert_int_equal(((const unsigned char *)&reproof)[i], 0xa5);
-    }
+    assert_null(verification);
     free(workspace);
 }
 
 #ifndef BRDFFIT_NO_ECOS
 
 /* With what must hold whatever the answer is. */
-static brdffit_reproof verify(const brdffit_samples *samples, const brdffit_options *options, double level)
+static brdffit_verification verify(const brdffit_samples *samples, const brdffit_options *options, double level)
 {
     size_t size = socp_size(samples, options);
     void *workspace = malloc(size);
-    brdffit_reproof reproof;
+    const brdffit_verification *made;
+    brdffit_verification verification;
     brdffit_error error;
 
     assert_non_null(workspace);
-    assert_int_equal(brdffit_verify_socp(samples, options, level, workspace, size, &reproof, &error), BRDFFIT_OK);
+    assert_int_equal(brdffit_verify(samples, options, level, workspace, size, &made, &error), BRDFFIT_OK);
+    verification = *made;
     free(workspace);
-    assert_true(reproof.level == level);
-    assert_true(reproof.boxes <= options->box_budget);
-    assert_int_equal(reproof.solved + reproof.decided, reproof.boxes);
-    assert_true(reproof.refused <= reproof.solved && reproof.leaves <= reproof.boxes);
-    assert_true(!options->socp_every_box || reproof.decided == 0);
-    assert_true(reproof.proven ? reproof.unproven == 0.0 : reproof.unproven >= 0.0 && reproof.unproven <= 1.0);
-    if (reproof.proven && options->lobes == 1 && options->sigma_min < options->sigma_max) {
-        assert_int_equal(2 * reproof.leaves, reproof.boxes + FIRST_INTERVALS); /* a binary tree on each */
+    assert_true(verification.level == level);
+    assert_true(verification.boxes <= options->box_budget);
+    assert_int_equal(verification.solved + verification.decided, verification.boxes);
+    assert_true(verification.refused <= verification.solved && verification.leaves <= verification.boxes);
+    assert_true(!options->socp_every_box || verification.decided == 0);
+    assert_true(verification.proven ? verification.unproven == 0.0
+                                    : verification.unproven >= 0.0 && verification.unproven <= 1.0);
+    if (verification.proven && options->lobes == 1 && options->sigma_min < options->sigma_max) {
+        assert_int_equal(2 * verification.leaves, verification.boxes + FIRST_INTERVALS); /* a binary tree on each */
     }
-    return reproof;
+    return verification;
 }
 
-static brdffit_result fit_and_free(const brdffit_samples *samples, const brdffit_options *options)
+static struct brdffit_test_result fit_and_free(const brdffit_samples *samples, const brdffit_options *options)
 {
     struct brdffit_test_fit fit;
-    brdffit_result result;
+    struct brdffit_test_result result;
 
     brdffit_test_fit(samples, options, &fit);
     result = fit.result; /* its arrays are gone after the next line */
@@ -97,8 +97,8 @@ static void test_bounds_are_proven_again_and_no_more(void **state)
         brdffit_options options = options_of(1 + i % 2, 60000);
         double margin = options.lobes == 1 ? 1e-3 : 0.1;
         struct brdffit_test_data data;
-        brdffit_result result;
-        brdffit_reproof reproof;
+        struct brdffit_test_result result;
+        brdffit_verification verification;
 
         spec.seed = 300 + (uint64_t)i;
         spec.distribution = options.distribution = (brdffit_distribution)(i / 2 % BRDFFIT_DISTRIBUTION_COUNT);
@@ -109,15 +109,15 @@ static void test_bounds_are_proven_again_and_no_more(void **state)
         options.socp_every_box = i % 4 == 3;
         brdffit_test_data_new(&spec, &data);
         result = fit_and_free(&data.samples, &options);
-        reproof = verify(&data.samples, &options, result.lower_bound * (1.0 - margin));
-        assert_int_equal(reproof.proven, 1);
-        assert_true(reproof.leaves > 0 && reproof.solved > 0);
+        verification = verify(&data.samples, &options, result.lower_bound * (1.0 - margin));
+        assert_int_equal(verification.proven, 1);
+        assert_true(verification.leaves > 0 && verification.solved > 0);
         /* The optimum itself is there: a level above it cannot be proven. */
         options.box_budget = 3000;
-        reproof = verify(&data.samples, &options, result.e2 * (1.0 + 1e-9));
-        assert_int_equal(reproof.proven, 0);
-        assert_int_equal(reproof.stop, BRDFFIT_STOP_BUDGET);
-        assert_true(reproof.unproven > 0.0 && reproof.unproven < 1.0);
+        verification = verify(&data.samples, &options, result.e2 * (1.0 + 1e-9));
+        assert_int_equal(verification.proven, 0);
+        assert_int_equal(verification.stop, BRDFFIT_STOP_BUDGET);
+        assert_true(verification.unproven > 0.0 && verification.unproven < 1.0);
         brdffit_test_data_free(&data);
     }
 }
@@ -128,8 +128,8 @@ static void test_budgets_and_domains(void **state)
     struct brdffit_test_spec spec = brdffit_test_spec_default();
     brdffit_options options = options_of(1, 100000);
     struct brdffit_test_data data;
-    brdffit_result result;
-    brdffit_reproof reproof;
+    struct brdffit_test_result result;
+    brdffit_verification verification;
     double before = 1.0;
     size_t budget;
     int lobes;
@@ -140,28 +140,28 @@ static void test_budgets_and_domains(void **state)
     result = fit_and_free(&data.samples, &options);
     for (budget = 1; budget < 1000; budget *= 4) {
         options.box_budget = budget;
-        reproof = verify(&data.samples, &options, result.lower_bound * (1.0 - 1e-6));
-        assert_int_equal(reproof.proven, 0);
-        assert_true(reproof.unproven <= before && reproof.unproven > 0.0);
-        before = reproof.unproven;
+        verification = verify(&data.samples, &options, result.lower_bound * (1.0 - 1e-6));
+        assert_int_equal(verification.proven, 0);
+        assert_true(verification.unproven <= before && verification.unproven > 0.0);
+        before = verification.unproven;
     }
     assert_true(before < 0.5);
     options.box_budget = 100000;
     options.sigma_resolution = 0.1;
-    reproof = verify(&data.samples, &options, result.lower_bound * (1.0 - 1e-3));
-    assert_int_equal(reproof.proven, 0);
-    assert_int_equal(reproof.stop, BRDFFIT_STOP_RESOLUTION);
+    verification = verify(&data.samples, &options, result.lower_bound * (1.0 - 1e-3));
+    assert_int_equal(verification.proven, 0);
+    assert_int_equal(verification.stop, BRDFFIT_STOP_RESOLUTION);
     options.sigma_resolution = 0.0;
     options.sigma_min = options.sigma_max = 0.2;
     for (lobes = 1; lobes <= 2; lobes++) {
         options.lobes = lobes;
         result = fit_and_free(&data.samples, &options);
-        reproof = verify(&data.samples, &options, result.e2 * (1.0 - 1e-6));
-        assert_int_equal(reproof.proven, 1);
-        assert_int_equal(reproof.leaves, 1);
-        reproof = verify(&data.samples, &options, result.e2 * (1.0 + 1e-6));
-        assert_int_equal(reproof.proven, 0);
-        assert_true(reproof.unproven == 1.0);
+        verification = verify(&data.samples, &options, result.e2 * (1.0 - 1e-6));
+        assert_int_equal(verification.proven, 1);
+        assert_int_equal(verification.leaves, 1);
+        verification = verify(&data.samples, &options, result.e2 * (1.0 + 1e-6));
+        assert_int_equal(verification.proven, 0);
+        assert_true(verification.unproven == 1.0);
     }
     brdffit_test_data_free(&data);
 }
@@ -179,8 +179,8 @@ static void test_cancelled(void **state)
     struct brdffit_test_spec spec = brdffit_test_spec_default();
     brdffit_options options = options_of(2, 100000);
     struct brdffit_test_data data;
-    brdffit_result result;
-    brdffit_reproof reproof;
+    struct brdffit_test_result result;
+    brdffit_verification verification;
     double seen = 0.0, level;
 
     (void)state;
@@ -190,10 +190,10 @@ static void test_cancelled(void **state)
     level = result.lower_bound * 0.99;
     options.progress = stop_at_once;
     options.progress_user = &seen;
-    reproof = verify(&data.samples, &options, level);
-    assert_int_equal(reproof.proven, 0);
-    assert_int_equal(reproof.stop, BRDFFIT_STOP_CANCELLED);
-    assert_true(reproof.boxes >= 256 && reproof.boxes <= 258); /* a split that was begun is finished */
+    verification = verify(&data.samples, &options, level);
+    assert_int_equal(verification.proven, 0);
+    assert_int_equal(verification.stop, BRDFFIT_STOP_CANCELLED);
+    assert_true(verification.boxes >= 256 && verification.boxes <= 258); /* a split that was begun is finished */
     assert_true(fabs(seen - level) <= 1e-12 * level);
     brdffit_test_data_free(&data);
 }
@@ -220,7 +220,7 @@ static void test_bad_calls(void **state)
     struct brdffit_test_spec spec = brdffit_test_spec_default();
     brdffit_options options = options_of(1, 1000);
     struct brdffit_test_data data;
-    brdffit_reproof reproof;
+    const brdffit_verification *verification;
     unsigned char little[64];
     size_t i;
 
@@ -229,12 +229,12 @@ static void test_bad_calls(void **state)
     for (i = 0; i < sizeof level / sizeof *level; i++) {
         verify_fails(&data.samples, &options, level[i], BRDFFIT_ERR_VALUE);
     }
-    assert_int_equal(brdffit_verify_socp(&data.samples, &options, 0.1, little, sizeof little, &reproof, NULL),
+    assert_int_equal(brdffit_verify(&data.samples, &options, 0.1, little, sizeof little, &verification, NULL),
                      BRDFFIT_ERR_WORKSPACE);
-    assert_int_equal(brdffit_verify_socp(&data.samples, &options, 0.1, NULL, 0, &reproof, NULL), BRDFFIT_ERR_ARGUMENT);
-    assert_int_equal(brdffit_verify_socp(&data.samples, &options, 0.1, little, sizeof little, NULL, NULL),
+    assert_int_equal(brdffit_verify(&data.samples, &options, 0.1, NULL, 0, &verification, NULL), BRDFFIT_ERR_ARGUMENT);
+    assert_int_equal(brdffit_verify(&data.samples, &options, 0.1, little, sizeof little, NULL, NULL),
                      BRDFFIT_ERR_ARGUMENT);
-    assert_int_equal(brdffit_verify_socp(NULL, &options, 0.1, little, sizeof little, &reproof, NULL),
+    assert_int_equal(brdffit_verify(NULL, &options, 0.1, little, sizeof little, &verification, NULL),
                      BRDFFIT_ERR_ARGUMENT);
     options.norm = BRDFFIT_NORM_L1;
     verify_fails(&data.samples, &options, 0.1, BRDFFIT_ERR_UNSUPPORTED);
@@ -257,5 +257,5 @@ int main(void)
         cmocka_unit_test(test_bad_calls),
     };
 
-    return cmocka_run_group_tests_name("reprove", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("verification", tests, NULL, NULL);
 }
