@@ -77,7 +77,7 @@ FUZZ := $(sort $(wildcard tests/fuzz/*.c))
 # The judge in quad precision needs a compiler with libquadmath (GCC, where double is not all that there is). Without one,
 # neither the campaign is built nor the tests that include it.
 QUADMATH := $(shell printf '\043include <quadmath.h>\n__float128 x;\n' | $(CC) -x c -c -o /dev/null - 2> /dev/null && echo -lquadmath)
-QUAD_TESTS := $(shell grep -l '"quad/' $(TESTS))
+QUAD_TESTS := $(shell grep -l '"quad/' /dev/null $(TESTS))
 CAMPAIGN := $(if $(QUADMATH),$(BUILD)/tests/campaign)
 ifeq ($(QUADMATH),)
 TESTS := $(filter-out $(QUAD_TESTS),$(TESTS))

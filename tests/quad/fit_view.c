@@ -168,9 +168,9 @@ static brdffit_status add_halves(brdffit_sums *sums, const brdffit_samples *s, b
     return status == BRDFFIT_OK ? brdffit_sums_add(sums, &second, error) : status;
 }
 
-void fit_view_sums(struct fit_view *view, const struct fit_question *q, int bits)
+void fit_view_sums(struct fit_view *view, const struct fit_question *q, size_t groups, int bits)
 {
-    size_t groups = bits ? 512u + (64u << bits) : q->samples->count, size, work = 0;
+    size_t size, work = 0;
     void *memory, *workspace = NULL;
     brdffit_sums *sums;
     brdffit_options options;
@@ -198,6 +198,7 @@ void fit_view_sums(struct fit_view *view, const struct fit_question *q, int bits
     }
     if (status == BRDFFIT_OK) {
         take(view, &result);
+        view->binned = bits > 0;
     } else {
         fail(view, status, error.message);
     }
@@ -296,6 +297,62 @@ void fit_view_many(struct fit_view *views, size_t texels, const double *values, 
     free(boxes);
     free(bytes);
     free(block);
+}
+
+/* ---- Boxes, proofs ---------------------------------------------------------------------------------------------- */
+
+struct collection {
+    struct fit_box *boxes;
+    size_t most, kept, seen;
+    unsigned long long state;
+    int lobes;
+};
+
+static void collect(void *user, const brdffit_box *box)
+{
+    struct collection *c = user;
+    size_t place;
+    int j;
+
+    c->state = c->state * 6364136223846793005ull + 1442695040888963407ull;
+    place = c->seen++ < c->most ? c->kept++ : (size_t)((c->state >> 33) % c->seen);
+    for (j = 0; j < c->lobes && place < c->most; j++) {
+        c->boxes[place].sigma_low[j] = box->sigma_low[j];
+        c->boxes[place].sigma_high[j] = box->sigma_high[j];
+        c->boxes[place].lower_bound = box->lower_bound;
+    }
+}
+
+size_t fit_view_boxes(const struct fit_question *q, struct fit_box *boxes, size_t most, unsigned long long seed)
+{
+    struct collection c = {boxes, most, 0, 0, seed, q->lobes};
+    struct fit_question asked = *q;
+    struct fit_view view;
+
+    asked.options.box = collect;
+    asked.options.box_user = &c;
+    fit_view_new(&view, &asked);
+    fit_view_free(&view);
+    return c.kept;
+}
+
+int fit_view_proves(const struct fit_question *q, double level)
+{
+    brdffit_reproof proof = {0};
+    brdffit_options options;
+    brdffit_status status;
+    size_t size;
+    void *workspace;
+
+    if (!fit_question_options(q, &options)) {
+        return 0;
+    }
+    options.engine = BRDFFIT_ENGINE_SOCP;
+    size = brdffit_workspace_size(q->samples->count, q->samples->channels, &options);
+    workspace = allocate(size, 1);
+    status = brdffit_verify_socp(q->samples, &options, level, workspace, size, &proof, NULL);
+    free(workspace);
+    return status == BRDFFIT_OK && proof.proven;
 }
 
 void fit_view_free(struct fit_view *view)

@@ -12,11 +12,15 @@
 #define E2_RELATIVE 1e-9
 #define E2_ABSOLUTE 1e-13
 #define SCALE_RELATIVE 1e-12
-/* A stopping rule is a comparison in double: a few units of rounding. */
+/* A stopping rule is a comparison in double: a few units of rounding. Beyond that, what verify.c leaves to e2, which is
+ * evaluated again after the stop. */
 #define GAP_RELATIVE 1e-15
+#define GAP_AFTER_RELATIVE 1e-12
+#define GAP_AFTER_ABSOLUTE 1e-27
+#define GAP_AFTER_LINEAR 1e-14 /* L1 and LINF, which do not square */
 
-static const char *const names[JUDGE_COUNT] = {"bound", "e2",    "gap",  "order", "range",
-                                               "nan",   "scale", "used", "box",   "reproof"};
+static const char *const names[JUDGE_COUNT] = {"bound", "e2",    "gap", "gap_round", "order", "range",
+                                               "nan",   "scale", "used", "box", "reproof"};
 
 const char *judge_fault_string(enum judge_fault fault)
 {
@@ -54,7 +58,9 @@ static void judge_range(const struct fit_view *v, const struct fit_question *q, 
         double low = exponent ? 1.0 / sqrt(o->exponent_max) : o->sigma_min;
         double high = exponent ? 1.0 / sqrt(o->exponent_min) : o->sigma_max;
 
-        if (!(v->sigma[j] >= low && v->sigma[j] <= high) || (j && v->sigma[j] < v->sigma[j - 1])) {
+        int disorder = j && q->distribution[j] == q->distribution[j - 1] && v->sigma[j] < v->sigma[j - 1];
+
+        if (!(v->sigma[j] >= low && v->sigma[j] <= high) || disorder) {
             fault(out, JUDGE_RANGE, 0);
         }
     }
@@ -91,7 +97,7 @@ static void judge_e2(const struct fit_view *v, const struct quad_problem *p, str
 
 static void judge_gap(const struct fit_view *v, const struct fit_question *q, struct judgement *out)
 {
-    quad e2 = (quad)v->e2 + v->e2_error, allowed;
+    quad e2 = (quad)v->e2 + (v->binned ? v->e2_error : 0.0), allowed;
 
     if (!v->certified) {
         return;
@@ -102,7 +108,10 @@ static void judge_gap(const struct fit_view *v, const struct fit_question *q, st
     if (v->stop != BRDFFIT_STOP_RELATIVE_GAP && v->stop != BRDFFIT_STOP_ABSOLUTE_GAP) {
         fault(out, JUDGE_GAP, 1);
     } else if (!(e2 <= allowed * (1 + GAP_RELATIVE))) {
-        fault(out, JUDGE_GAP, (e2 - allowed) / e2);
+        quad rounding = q->options.norm == BRDFFIT_NORM_L2 ? GAP_AFTER_ABSOLUTE : GAP_AFTER_LINEAR;
+
+        rounding = GAP_AFTER_RELATIVE * e2 + rounding * v->sum_of_squares;
+        fault(out, e2 - allowed <= rounding ? JUDGE_GAP_ROUND : JUDGE_GAP, (e2 - allowed) / e2);
     }
 }
 
@@ -189,6 +198,11 @@ void judge_describe(const struct judgement *j, const struct fit_view *v, char *t
         if (j->fault[kind]) {
             used += (size_t)snprintf(text + used, size - used, "%s by %.3g; ", names[kind], j->worst[kind]);
         }
+    }
+    if (used < size && j->fault[JUDGE_BOX]) {
+        used += (size_t)snprintf(text + used, size - used, "box [%.17g, %.17g] x [%.17g, %.17g]: %.17g above %.17g; ",
+                                 j->box.sigma_low[0], j->box.sigma_high[0], j->box.sigma_low[1], j->box.sigma_high[1],
+                                 j->box.lower_bound, j->box_best);
     }
     if (used < size) {
         snprintf(text + used, size - used,

@@ -12,6 +12,8 @@ enum judge_fault {
     JUDGE_BOUND = 0, /* lower_bound above E^2 of a point of the domain */
     JUDGE_E2,        /* e2 is not E^2 at the reported parameters: 1e-9 of itself, 1e-13 of the zero model, e2_error */
     JUDGE_GAP,       /* certified by a gap that e2 and lower_bound do not have */
+    JUDGE_GAP_ROUND, /* the same by no more than 1e-12 of e2 and 1e-27 (L1, LINF: 1e-14) of the zero model:
+                        e2 is taken again after the stop */
     JUDGE_ORDER,     /* not 0 <= lower_bound <= e2 < infinity, a coefficient that is negative or infinite */
     JUDGE_RANGE,     /* a sigma outside of the options' range */
     JUDGE_NAN,       /* NaN anywhere in the result */
@@ -32,12 +34,14 @@ struct judgement {
     double best, s[QUAD_LOBES]; /* of the least E^2 found */
     double e2;                 /* E^2 at the reported parameters */
     int refused;               /* the fit failed: nothing was judged */
+    struct fit_box box;        /* the worst box, and E^2 inside of it (attack.h) */
+    double box_best;
 };
 
 /* `effort`: evaluations of E^2 to spend, about. Returns how many kinds of faults there are. */
 int judge(const struct fit_view *view, const struct fit_question *q, size_t effort, struct judgement *out);
 
-/* One line a fault, to `text`; always terminated. */
+/* One line, to `text`; always terminated. */
 void judge_describe(const struct judgement *j, const struct fit_view *view, char *text, size_t size);
 
 #endif

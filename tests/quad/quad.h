@@ -45,7 +45,7 @@ struct quad_problem {
     quad total;             /* E^2 of the zero model */
     size_t skipped[BRDFFIT_SKIP_COUNT];
     int doubtful;           /* samples that double arithmetic may see on the other side of a limit */
-    quad *column;           /* work: QUAD_COLUMNS x count */
+    quad *column;           /* work: 2 x QUAD_COLUMNS x count */
     quad *block;
 };
 

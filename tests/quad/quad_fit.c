@@ -56,6 +56,18 @@ quad quad_residual(const struct quad_problem *p, const quad *column, size_t chan
     return sum;
 }
 
+/* What y of each lobe is multiplied by in units of quad_columns(). */
+static void factors(const struct quad_problem *p, const quad *s, quad *factor)
+{
+    int j;
+
+    for (j = 0; j < p->lobes; j++) {
+        const struct quad_lobe *lobe = &p->lobe[j];
+
+        factor[j] = quad_lambda(lobe->distribution, s[j]) * quad_shape(lobe->distribution, s[j], lobe->c_min, 0);
+    }
+}
+
 quad quad_at_model(const struct quad_problem *p, const double *sigma, const double *x, const double *y)
 {
     quad sum = 0, s[QUAD_LOBES], z[QUAD_COLUMNS], factor[QUAD_LOBES];
@@ -64,9 +76,8 @@ quad quad_at_model(const struct quad_problem *p, const double *sigma, const doub
 
     for (j = 0; j < p->lobes; j++) {
         s[j] = quad_s(sigma[j]);
-        factor[j] = quad_lambda(p->lobe[j].distribution, s[j]) *
-                    quad_shape(p->lobe[j].distribution, s[j], p->lobe[j].c_min, 0);
     }
+    factors(p, s, factor);
     quad_columns(p, s, p->column);
     for (k = 0; k < p->channels; k++) {
         quad part;
@@ -91,13 +102,13 @@ struct normal {
     int usable[SUPPORTS];
 };
 
-static quad weighted_dot(const struct quad_problem *p, const quad *u, const quad *v)
+static quad dot(const quad *u, const quad *v, size_t n)
 {
     quad sum = 0;
     size_t i;
 
-    for (i = 0; i < p->count; i++) {
-        sum += p->weight[i] * u[i] * v[i];
+    for (i = 0; i < n; i++) {
+        sum += u[i] * v[i];
     }
     return sum;
 }
@@ -138,17 +149,23 @@ static int cholesky(struct normal *m, int support)
     return 1;
 }
 
-static void normal_equations(const struct quad_problem *p, const quad *column, struct normal *m)
+/* `weighted` takes the columns times the weights. */
+static void normal_equations(const struct quad_problem *p, const quad *column, quad *weighted, struct normal *m)
 {
+    size_t n = p->count, row;
     int i, j, support;
 
     m->columns = 1 + p->lobes;
     for (i = 0; i < m->columns; i++) {
-        const quad *u = column + (size_t)i * p->count;
+        const quad *u = column + (size_t)i * n;
+        quad *w = weighted + (size_t)i * n;
 
-        m->length[i] = sqrtq(weighted_dot(p, u, u));
+        for (row = 0; row < n; row++) {
+            w[row] = p->weight[row] * u[row];
+        }
+        m->length[i] = sqrtq(dot(w, u, n));
         for (j = 0; j < i; j++) {
-            m->gram[i][j] = weighted_dot(p, u, column + (size_t)j * p->count) / (m->length[i] * m->length[j]);
+            m->gram[i][j] = dot(w, column + (size_t)j * n, n) / (m->length[i] * m->length[j]);
             m->gram[j][i] = m->gram[i][j];
         }
         m->gram[i][i] = 1;
@@ -187,15 +204,15 @@ static quad solve_support(const struct normal *m, int support, const quad *t, qu
     return gain;
 }
 
-static quad channel_l2(const struct quad_problem *p, const struct normal *m, const quad *column, size_t k, quad *z)
+static quad channel_l2(const struct quad_problem *p, const struct normal *m, const quad *column, const quad *weighted,
+                       size_t k, quad *z)
 {
+    const quad *data = p->data + k * p->count;
     quad t[QUAD_COLUMNS], trial[QUAD_COLUMNS], best = 0;
     int j, support;
 
     for (j = 0; j < m->columns; j++) {
-        t[j] = m->length[j] > 0
-                   ? weighted_dot(p, p->data + k * p->count, column + (size_t)j * p->count) / m->length[j]
-                   : 0;
+        t[j] = m->length[j] > 0 ? dot(data, weighted + (size_t)j * p->count, p->count) / m->length[j] : 0;
         z[j] = 0;
     }
     for (support = 1; support < 1 << m->columns; support++) {
@@ -212,39 +229,34 @@ static quad channel_l2(const struct quad_problem *p, const struct normal *m, con
     return quad_residual(p, column, k, z);
 }
 
-/* Whether x and y are finite as doubles, in the data's units. */
-static int finite_model(const struct quad_problem *p, const quad *s, size_t k, const quad *z)
+/* Whether x and y are finite as doubles, in the data's units; y times `factor` is what z multiplies. */
+static int finite_model(const struct quad_problem *p, const quad *factor, size_t k, const quad *z)
 {
     int j, fine = z[0] * p->scale[k] <= DBL_MAX;
 
     for (j = 0; j < p->lobes; j++) {
-        const struct quad_lobe *lobe = &p->lobe[j];
-
-        if (z[1 + j] > 0) {
-            quad factor = quad_lambda(lobe->distribution, s[j]) * quad_shape(lobe->distribution, s[j], lobe->c_min, 0);
-
-            fine &= z[1 + j] * p->scale[k] / factor <= DBL_MAX;
-        }
+        fine = fine && (!(z[1 + j] > 0) || z[1 + j] * p->scale[k] <= DBL_MAX * factor[j]);
     }
     return fine;
 }
 
 quad quad_at(const struct quad_problem *p, const quad *s)
 {
-    quad sum = 0, z[QUAD_COLUMNS];
+    quad sum = 0, z[QUAD_COLUMNS], factor[QUAD_LOBES], *weighted = p->column + QUAD_COLUMNS * p->count;
     struct normal m;
     size_t k;
 
     quad_columns(p, s, p->column);
+    factors(p, s, factor);
     if (p->norm == BRDFFIT_NORM_L2) {
-        normal_equations(p, p->column, &m);
+        normal_equations(p, p->column, weighted, &m);
     }
     for (k = 0; k < p->channels; k++) {
-        quad part = p->norm == BRDFFIT_NORM_L2   ? channel_l2(p, &m, p->column, k, z)
+        quad part = p->norm == BRDFFIT_NORM_L2   ? channel_l2(p, &m, p->column, weighted, k, z)
                     : p->norm == BRDFFIT_NORM_L1 ? quad_channel_l1(p, p->column, k, z)
                                                  : quad_channel_linf(p, p->column, k, z);
 
-        if (!finite_model(p, s, k, z)) {
+        if (!finite_model(p, factor, k, z)) {
             return strtoflt128("inf", NULL);
         }
         sum = p->norm == BRDFFIT_NORM_LINF ? fmaxq(sum, part) : sum + part;

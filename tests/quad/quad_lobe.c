@@ -3,6 +3,12 @@
  */
 #include "quad.h"
 
+/* The sum of three doubles: no literal of this type is ISO C. */
+static quad quad_pi(void)
+{
+    return (quad)0x1.921fb54442d18p+1 + (quad)0x1.1a62633145c07p-53 + (quad)-0x1.f1976b7ed8fbcp-109;
+}
+
 int quad_by_exponent(brdffit_distribution distribution)
 {
     return distribution == BRDFFIT_BLINN_PHONG || distribution == BRDFFIT_ASHIKHMIN_SHIRLEY ||
@@ -24,7 +30,7 @@ static quad shadowing(const struct quad_angles *at)
 
 void quad_coefficients(brdffit_distribution distribution, const struct quad_angles *at, struct quad_row *row)
 {
-    quad pi = 4 * atanq(1), angle, over_cos2 = 1 + at->tan2;
+    quad pi = quad_pi(), angle, over_cos2 = 1 + at->tan2;
 
     row->a = at->nl / pi;
     switch (distribution) {
@@ -58,7 +64,7 @@ void quad_coefficients(brdffit_distribution distribution, const struct quad_angl
 
 quad quad_lambda(brdffit_distribution distribution, quad s)
 {
-    quad pi = 4 * atanq(1);
+    const quad pi = quad_pi();
 
     switch (distribution) {
     case BRDFFIT_TORRANCE_SPARROW:

@@ -173,7 +173,7 @@ int quad_row(const brdffit_samples *s, size_t i, brdffit_distribution distributi
 
 static int allocate(struct quad_problem *p, size_t n)
 {
-    size_t numbers = n * (size_t)(3 + 2 * QUAD_LOBES + QUAD_COLUMNS) + 2 * n * p->channels + p->channels;
+    size_t numbers = n * (size_t)(3 + 2 * QUAD_LOBES + 2 * QUAD_COLUMNS) + 2 * n * p->channels + p->channels;
     quad *next = p->block = calloc(numbers ? numbers : 1, sizeof *p->block);
     int j;
 
@@ -189,7 +189,7 @@ static int allocate(struct quad_problem *p, size_t n)
         p->lobe[j].c = next + n;
     }
     p->column = next;
-    p->radiance = next += n * QUAD_COLUMNS;
+    p->radiance = next += 2 * n * QUAD_COLUMNS;
     p->data = next += n * p->channels;
     p->scale = next + n * p->channels;
     return 0;
