@@ -192,7 +192,7 @@ static void radiance(struct draw *d, const struct quad_problem *p, const size_t 
     int j;
 
     for (j = 0; j <= p->lobes; j++) {
-        z[j] = j == 0 ? draw_one_in(d, 5) ? 0.0 : draw_uniform(d, 0.2, 1.0) : draw_power(d, -2.0, 3.0);
+        z[j] = j == 0 ? draw_one_in(d, 5) || d->no_diffuse ? 0.0 : draw_uniform(d, 0.2, 1.0) : draw_power(d, -2.0, 3.0);
         s[j ? j - 1 : 0] = quad_s(low * pow(high / low, draw_uniform(d, 0.0, 1.0)));
     }
     quad_columns(p, s, p->column);

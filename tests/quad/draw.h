@@ -23,6 +23,7 @@ struct draw {
     enum draw_route route;
     size_t groups, texels;
     int bits;
+    int no_diffuse; /* of the truth */
     /* What samples points at, writable; values of all texels, samples.values those of the first. */
     double *light, *view, *normal, *cos_light, *cos_view, *tan2_half, *cos_difference, *a, *b, *c, *weights, *values;
     double *block;

@@ -19,18 +19,19 @@ void draw_ordinary(struct draw *d)
 /* Weights 1/I^2 on data of a narrow lobe: b sqrt(w) spans what exp(c / sigma^2) does. */
 void draw_relative(struct draw *d)
 {
-    double sigma = draw_power(d, -1.7, -0.5);
+    double sigma = draw_power(d, -1.7, -0.5), noise = draw_one_in(d, 3) ? 0.0 : draw_power(d, -3.0, -0.5);
     size_t i, k;
 
-    draw_shape(d, 3 + draw_below(d, 10), 1 + draw_below(d, 2), 1, (brdffit_form)draw_below(d, 3));
+    draw_shape(d, 3 + draw_below(d, draw_one_in(d, 4) ? 38 : 10), 1 + draw_below(d, 2), 1, (brdffit_form)draw_below(d, 3));
     draw_options(d);
     draw_geometry(d, 60.0);
+    d->no_diffuse = !draw_one_in(d, 3);
     for (i = 0; i < d->samples.count; i++) {
         d->a[i] = draw_one_in(d, 2) ? 0.0 : draw_uniform(d, 0.1, 0.3);
         d->c[i] = draw_power(d, -4.0, 0.0);
         d->tan2_half[i] = draw_power(d, -4.0, 0.0);
     }
-    draw_truth(d, sigma, sigma * draw_power(d, 0.0, 0.5), draw_one_in(d, 2) ? 0.0 : draw_power(d, -3.0, -1.0));
+    draw_truth(d, sigma, sigma * draw_power(d, 0.0, 0.5), d->no_diffuse ? 0.0 : draw_power(d, -3.0, -1.0));
     d->samples.weights = d->weights;
     for (i = 0; i < d->samples.count; i++) {
         double *values = d->values + i * d->samples.channels, sum = 0.0;
@@ -39,9 +40,7 @@ void draw_relative(struct draw *d)
             values[k] = fabs(values[k]);
             sum += values[k];
         }
-        if (draw_one_in(d, 2)) { /* relative noise, as such weights are for */
-            values[0] *= 1.0 + 0.05 * draw_normal(d);
-        }
+        values[0] *= 1.0 + noise * draw_normal(d); /* relative, as such weights are for */
         d->weights[i] = fmin(1.0 / (sum * sum), 1e300);
     }
 }
