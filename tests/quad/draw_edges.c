@@ -17,37 +17,55 @@ static void draw_gaps(struct draw *d)
     draw_truth(d, 0.02, 2.0, draw_one_in(d, 3) ? 0.0 : draw_power(d, -14.0, 0.5));
 }
 
+/* A range that begins or ends at s, or is only that; 1 where s is its largest. */
+static int range_from(struct draw *d)
+{
+    brdffit_options *o = &d->question.options;
+
+    o->sigma_max = o->sigma_min = draw_power(d, -11.9, 2.0);
+    o->exponent_min = o->exponent_max = draw_power(d, -5.0, 23.0);
+    if (draw_one_in(d, 3)) {
+        return 0;
+    }
+    if (draw_one_in(d, 2)) {
+        o->sigma_min = fmax(1e-12, o->sigma_max * draw_power(d, -6.0, 0.0));
+        o->exponent_max = fmin(1e24, o->exponent_min * draw_power(d, 0.0, 6.0));
+        return 0;
+    }
+    o->sigma_max = fmin(1e3, o->sigma_min * draw_power(d, 0.0, 6.0));
+    o->exponent_min = fmax(1e-6, o->exponent_max * draw_power(d, -6.0, 0.0));
+    return 1;
+}
+
 /*
  * The optimum is an end of the range, with c s = x there: b exp(-c s) of the second sample is 1 there, and what s is off
- * by relative to the end changes it by x times that.
+ * by relative to the end changes it by x times that. Data above the lobe where it grows beyond the end.
  */
 static void draw_ends(struct draw *d)
 {
     brdffit_options *o = &d->question.options;
-    double x = draw_power(d, -1.0, 2.7), end;
-    int narrow = draw_one_in(d, 3);
+    double x = draw_power(d, -1.0, 2.7);
+    int largest, a;
     size_t i;
     quad s;
 
-    draw_shape(d, 2 + draw_below(d, 4), 1, 1, BRDFFIT_FORM_COEFFICIENTS);
+    draw_shape(d, 2 + (draw_one_in(d, 2) ? draw_below(d, 4) : 0), 1, 1, BRDFFIT_FORM_COEFFICIENTS);
     draw_options(d);
-    o->relative_gap = draw_power(d, -14.0, -3.0);
-    end = o->sigma_max = o->sigma_min = draw_power(d, -11.9, 2.0);
-    o->exponent_min = o->exponent_max = draw_power(d, -5.0, 23.0);
-    s = quad_by_exponent(d->question.distribution[0]) ? o->exponent_min : quad_s(end);
-    if (!narrow && draw_one_in(d, 2)) { /* the end of the narrow lobes, or of the wide ones */
-        o->sigma_max = fmin(1e3, end * draw_power(d, 0.0, 6.0));
-        o->exponent_min = fmax(1e-6, o->exponent_max * draw_power(d, -6.0, 0.0));
-    } else if (!narrow) {
-        o->sigma_min = fmax(1e-12, end * draw_power(d, -6.0, 0.0));
-        o->exponent_max = fmin(1e24, o->exponent_min * draw_power(d, 0.0, 6.0));
+    o->relative_gap = draw_power(d, -14.0, draw_one_in(d, 4) ? -3.0 : -12.0);
+    o->absolute_gap = draw_one_in(d, 4) ? o->absolute_gap : 0.0;
+    largest = range_from(d);
+    s = largest ? quad_s(o->sigma_min) : quad_s(o->sigma_max);
+    if (quad_by_exponent(d->question.distribution[0])) {
+        s = largest ? o->exponent_max : o->exponent_min;
     }
+    a = draw_one_in(d, 4);
     for (i = 0; i < d->samples.count; i++) {
-        d->a[i] = draw_one_in(d, 2) ? 0.0 : draw_uniform(d, 0.0, 0.1);
-        d->c[i] = i ? (double)(x * draw_uniform(d, 0.0, 1.0) / s) : 0.0;
-        d->c[i] = i == 1 ? (double)(x / s) : d->c[i];
+        double low = draw_power(d, -4.0, -1.0), high = draw_uniform(d, 0.5, 1.0);
+
+        d->a[i] = a ? draw_uniform(d, 0.0, 0.1) : 0.0;
+        d->c[i] = i ? (double)(x * (i == 1 ? 1.0 : draw_uniform(d, 0.0, 1.0)) / s) : 0.0;
         d->b[i] = d->question.distribution[0] == BRDFFIT_GGX ? 1.0 : (double)expq(d->c[i] * s);
-        d->values[i] = i ? draw_uniform(d, 0.5, 1.0) : draw_power(d, -4.0, 0.0);
+        d->values[i] = (i == 0) == largest ? high : low;
     }
 }
 

@@ -48,7 +48,8 @@ void draw_relative(struct draw *d)
 /* Coefficients whose b sqrt(w) spans up to 1e300 and meets exp(-c / sigma^2) somewhere inside the domain. */
 void draw_spans(struct draw *d)
 {
-    double span = draw_uniform(d, 0.0, draw_one_in(d, 2) ? 150.0 : 300.0), meet = draw_power(d, -2.0, 4.0);
+    double span = draw_uniform(d, 0.0, draw_one_in(d, 2) ? 140.0 : 300.0), meet = draw_power(d, -2.0, 4.0);
+    double apart = draw_power(d, -6.0, -0.5); /* from where they would all meet in one point */
     size_t i, n = 2 + draw_below(d, 11);
     int weights = draw_one_in(d, 2);
 
@@ -62,7 +63,7 @@ void draw_spans(struct draw *d)
 
         d->b[i] = pow(10.0, weights ? power / 2 : power);
         d->weights[i] = weights ? pow(10.0, power) : d->weights[i];
-        d->c[i] = draw_one_in(d, 4) ? draw_power(d, -4.0, 1.0) : power * 2.302585 / meet * draw_uniform(d, 0.7, 1.3);
+        d->c[i] = draw_one_in(d, 6) ? draw_power(d, -4.0, 1.0) : power * 2.302585 / meet * fabs(1.0 + apart * draw_normal(d));
     }
     draw_truth(d, 1.0 / sqrt(100.0 * meet), 3.0 / sqrt(meet), draw_one_in(d, 4) ? 0.0 : draw_power(d, -6.0, 0.0));
     for (i = 0; i < n && draw_one_in(d, 3); i++) {
