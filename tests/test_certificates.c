@@ -3,6 +3,8 @@
  * is above the E^2 of a point that quad precision finds, and e2 is what the reported parameters have.
  * SPDX-License-Identifier: MIT
  */
+#define _POSIX_C_SOURCE 200809L
+#include <glob.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +17,7 @@
 #include <cmocka.h>
 
 #include "brdffit_io.h"
-#include "quad/judge.h"
+#include "quad/campaign_run.h"
 #include "support.h"
 
 /* Evaluations of E^2 a fit: enough for a grid of the domain and a descent to 1e-20 of the optimum. */
@@ -231,6 +233,28 @@ static void test_domain_end(void **state)
     finish(&tally);
 }
 
+/* Problems that campaigns found, one of each kind of fault and family: they say their own options. */
+static void test_campaign_finds(void **state)
+{
+    glob_t found;
+    size_t i;
+    int faulty = 0;
+
+    (void)state;
+    assert_int_equal(glob("tests/data/certificates/campaign/*.csv", 0, NULL, &found), 0);
+    for (i = 0; i < found.gl_pathc; i++) {
+        char text[2048];
+
+        if (campaign_replay(found.gl_pathv[i], text, sizeof text) > 0) { /* to refuse is a way out */
+            print_error("%s: %s\n", found.gl_pathv[i], text);
+            faulty++;
+        }
+    }
+    globfree(&found);
+    print_message("%zu problems, %d at fault\n", i, faulty);
+    assert_int_equal(faulty, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -246,6 +270,7 @@ int main(void)
         cmocka_unit_test(test_underflow_min),
         cmocka_unit_test(test_lafortune),
         cmocka_unit_test(test_domain_end),
+        cmocka_unit_test(test_campaign_finds),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,7 +10,7 @@
 /* Random boxes of the fit's own search, each by its corners and a descent inside of it. Adds to *out. */
 void attack_boxes(const struct fit_question *q, unsigned long long seed, size_t effort, struct judgement *out);
 
-/* A level just above the least E^2 of out->s, relatively by `margin`, must not be proven. Adds to *out. */
+/* A level above the least E^2 found, out->best, must not be proven. Adds to *out. */
 void attack_proof(const struct fit_question *q, double level, struct judgement *out);
 
 #endif

@@ -3,6 +3,7 @@
  *
  *     campaign SEED COUNT [--from N] [--family NAME] [--effort N] [--boxes N] [--proofs N] [--print N] [--keep DIR]
  *              [--progress N]
+ *     campaign replay FILE...         problems that were printed, once more
  *
  * --from       number of the first problem (0): a fault names its number, and `campaign SEED 1 --from N` is that one,
  *              with --family NAME where that was given; problem N is of family N mod their number otherwise
@@ -23,7 +24,7 @@ static int usage(void)
     int f;
 
     fputs("campaign SEED COUNT [--from N] [--family NAME] [--effort N] [--boxes N] [--proofs N] [--print N] [--keep DIR] "
-          "[--progress N]\nfamilies:",
+          "[--progress N]\ncampaign replay FILE...\nfamilies:",
           stderr);
     for (f = 0; f < draw_family_count; f++) {
         fprintf(stderr, " %s", draw_families[f].name);
@@ -71,6 +72,20 @@ static int option(struct campaign *c, const char *name, const char *value)
     return 1;
 }
 
+static int replay(int files, char **path)
+{
+    char text[2048];
+    int i, any = 0;
+
+    for (i = 0; i < files; i++) {
+        int faults = campaign_replay(path[i], text, sizeof text);
+
+        printf("%s: %s: %s\n", path[i], faults < 0 ? "not judged" : faults ? "at fault" : "fine", text);
+        any |= faults != 0;
+    }
+    return any;
+}
+
 int main(int argc, char **argv)
 {
     struct campaign_row row[CAMPAIGN_FAMILIES];
@@ -79,6 +94,9 @@ int main(int argc, char **argv)
     int i;
 
     campaign_defaults(&c);
+    if (argc > 2 && !strcmp(argv[1], "replay")) {
+        return replay(argc - 2, argv + 2);
+    }
     if (argc < 3 || argc % 2 == 0) {
         return usage();
     }

@@ -184,6 +184,41 @@ unsigned long campaign_run(const struct campaign *c, struct campaign_row *row)
     return all;
 }
 
+int campaign_replay(const char *path, char *text, size_t size)
+{
+    FILE *file = fopen(path, "r");
+    struct judgement verdict;
+    struct fit_view view;
+    struct draw d;
+    int faults = -1, kind;
+
+    memset(&verdict, 0, sizeof verdict);
+    snprintf(text, size, "no problem in %s", path);
+    if (file && draw_read(&d, file)) {
+        (void)fit(&d, &view);
+        (void)judge(&view, &d.question, 400, &verdict);
+        if (!verdict.refused && d.route == DRAW_FIT) {
+            attack_boxes(&d.question, 1, 1600, &verdict);
+            attack_proof(&d.question, verdict.best * (1.0 + 1e-6), &verdict);
+            attack_proof(&d.question, verdict.best * 1.05, &verdict);
+        }
+        for (kind = 0, faults = verdict.refused ? -1 : 0; kind < JUDGE_COUNT; kind++) {
+            faults += verdict.fault[kind];
+        }
+        if (verdict.refused) {
+            snprintf(text, size, "refused: %s", view.message);
+        } else {
+            judge_describe(&verdict, &view, text, size);
+        }
+        fit_view_free(&view);
+        draw_free(&d);
+    }
+    if (file) {
+        fclose(file);
+    }
+    return faults;
+}
+
 void campaign_table(const struct campaign_row *row, FILE *to)
 {
     int f, kind;

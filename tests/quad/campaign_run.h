@@ -34,6 +34,10 @@ void campaign_defaults(struct campaign *c);
 /* row: CAMPAIGN_FAMILIES of them, one a family. Returns how many fits are faulty. */
 unsigned long campaign_run(const struct campaign *c, struct campaign_row *row);
 
+/* The problem in a file of draw_print()'s, boxes of it and proofs of a level too; describes what is at fault in `text`. Returns how many
+ * kinds of faults there are, or -1 when the file cannot be read or the fit is refused. */
+int campaign_replay(const char *path, char *text, size_t size);
+
 /* A line a family and kind of fault. */
 void campaign_table(const struct campaign_row *row, FILE *to);
 

@@ -44,6 +44,11 @@ void draw_free(struct draw *d);
  * no such table, its own columns). Numbers are exact. */
 void draw_print(const struct draw *d, size_t texel, FILE *to);
 
+/* What draw_print() wrote; 0 when there is no sample. */
+int draw_read(struct draw *d, FILE *from);
+
+const char *draw_route_string(enum draw_route route); /* "fit", "sums", "bins", "many" */
+
 /* ---- For families (draw.c) ------------------------------------------------------------------------------------- */
 
 uint64_t draw_bits(struct draw *d);

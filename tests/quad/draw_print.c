@@ -3,13 +3,19 @@
  */
 #include "draw.h"
 
+const char *draw_route_string(enum draw_route route)
+{
+    static const char *const names[] = {"fit", "sums", "bins", "many"};
+
+    return names[route];
+}
+
 static void print_options(const struct draw *d, FILE *to)
 {
-    static const char *const routes[] = {"fit", "sums", "bins", "many"};
     const brdffit_options *o = &d->question.options;
     int j;
 
-    fprintf(to, "# route %s", routes[d->route]);
+    fprintf(to, "# route %s", draw_route_string(d->route));
     if (d->route == DRAW_SUMS || d->route == DRAW_BINS) {
         fprintf(to, " (%zu groups, %d bits)", d->groups, d->bits);
     }
