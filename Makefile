@@ -76,7 +76,16 @@ BENCH := $(sort $(wildcard tools/bench/bench_*.c))
 TESTS := $(sort $(wildcard tests/test_*.c))
 REFERENCES := $(sort $(wildcard tests/ref/*.c))
 FUZZ := $(sort $(wildcard tests/fuzz/*.c))
+# The judge in quad precision needs a compiler with libquadmath (GCC, where double is not all that there is). Without one,
+# neither the campaign is built nor the tests that include it.
+QUADMATH := $(shell printf '\043include <quadmath.h>\n__float128 x;\n' | $(CC) -x c -c -o /dev/null - 2> /dev/null && echo -lquadmath)
+QUAD_TESTS := $(shell grep -l '"quad/' /dev/null $(TESTS))
+CAMPAIGN := $(if $(QUADMATH),$(BUILD)/tests/campaign)
+ifeq ($(QUADMATH),)
+TESTS := $(filter-out $(QUAD_TESTS),$(TESTS))
+endif
 TEST_SUPPORT := $(call object,$(wildcard tests/batch.c tests/verify.c tests/support.c))
+QUAD := $(call object,$(filter-out tests/quad/campaign.c,$(sort $(wildcard tests/quad/*.c))))
 SCRIPTS := $(sort $(wildcard tests/check_*.sh))
 MANUALS := $(wildcard tools/brdffit/brdffit.1)
 
@@ -105,7 +114,7 @@ libraries: $(STATIC) $(STATIC_IO) $(SHARED) $(SHARED_IO) $(PKGCONFIG)
 
 programs: $(TOOLS) $(BENCH_PROGRAMS)
 
-test-programs: $(TEST_PROGRAMS) $(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS)
+test-programs: $(TEST_PROGRAMS) $(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS) $(CAMPAIGN)
 
 help:
 	@echo 'make             libraries and programs, in $(BUILD)/'
@@ -291,6 +300,14 @@ $(TEST_PROGRAMS): $(BUILD)/tests/%: $(OBJ)/tests/%.o $(TEST_SUPPORT) $(STATIC_IO
 $(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS): $(BUILD)/tests/%: $(OBJ)/tests/%.o $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)$(LINK) -o $@ $< $(STATIC_IO) $(STATIC) -lz -lm
+
+# The quad tests stand on the judge in quad precision too.
+$(QUAD_TESTS:tests/%.c=$(BUILD)/tests/%): TEST_SUPPORT += $(QUAD) $(QUADMATH)
+$(QUAD_TESTS:tests/%.c=$(BUILD)/tests/%): $(QUAD)
+
+$(BUILD)/tests/campaign: $(OBJ)/tests/quad/campaign.o $(QUAD) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)$(LINK) -o $@ $< $(QUAD) $(STATIC_IO) $(STATIC) $(QUADMATH) -lz -lm
 
 $(BUILD)/%.pc: tools/setup/%.pc.in $(BUILD)/install.flags
 	@sed -e 's|@VERSION@|$(VERSION)|' -e 's|@PREFIX@|$(prefix)|' -e 's|@EXEC_PREFIX@|$(exec_prefix)|' \
