@@ -61,7 +61,7 @@ extern "C" {
 #define BRDFFIT_VERSION_STRING "0.2.0"
 
 /* Most lobes a fit can have. */
-#define BRDFFIT_MAX_LOBES 2
+#define BRDFFIT_MAX_LOBES 3
 
 /* "Does not apply" in brdffit_error. */
 #define BRDFFIT_NONE ((size_t)-1)
@@ -276,7 +276,7 @@ typedef struct brdffit_options {
     brdffit_box_fn box; /* or NULL */
     void *box_user;
     const brdffit_distribution *distributions; /* P entries, or NULL (default): `distribution` for every
-                                                  lobe. BRDFFIT_ERR_UNSUPPORTED unless all equal */
+                                                  lobe. Lobes come out ordered: the first one's distribution first */
 } brdffit_options;
 
 /* Set struct_size and every default. NULL is fine: nothing happens. */

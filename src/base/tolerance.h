@@ -89,11 +89,17 @@
 /* Evaluation of the restricted gain (gain.h), at most 64, and of the climb over a box (gains.h), in units of u
  * relative to |t|^2. */
 #define TOL_GAIN 128.0
+/* The same for more than three columns (gain_n.h): n^2 u for the factorisation of up to 7, beside multipliers that count as
+ * zero, in units of TOL_GAIN. */
+#define TOL_GAIN_COLUMNS 4.0
 /* Relative inflation of curvature bounds, whose own rounding is about 1e-13 at worst. */
 #define TOL_CURVATURE 1e-10
 
 /* Relative rounding of one lobe value from our exp (arguments to 708) with its slope and tilt: 1e-13 (bound_lp). */
 #define TOL_SHAPE 1e-12
+
+/* Shifts of tau beyond this many |I_k| are no use for a bound, and would take its arithmetic out of range (gains.h). */
+#define LIMIT_SHIFT 1e6
 
 /* Off-diagonals of a Gram matrix are kept this far below 1 (lower is the safe side of a bound). */
 #define LIMIT_COSINE (1.0 - 1e-15)

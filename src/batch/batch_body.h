@@ -16,6 +16,9 @@
 /* Share of the gap that the error of the polynomials may take before those with more terms are used. */
 #define COARSE 0.2
 
+/* Sums of squares from this to its inverse are fitted here. */
+#define LEAST_TOTAL 1e-70
+
 struct tile_state {
     struct ascent ascent;
     double s[BATCH_TILE], e2[BATCH_TILE];      /* of the last evaluation */
@@ -256,6 +259,8 @@ static void start_tile(const struct batch_fast *f, struct batch_tile *tile, stru
             st->total[l] += tile->ii[k * LANES + l];
             st->rest[l] += tile->ii[k * LANES + l] - omega * omega;
         }
+        /* Weights may take the sum of squares where its products leave the number range: the general path scales it. */
+        st->pending[l] = st->pending[l] && st->total[l] >= LEAST_TOTAL && st->total[l] <= 1.0 / LEAST_TOTAL;
     }
     choose_starts(f, tile, &st->ascent);
     for (l = 0; l < LANES; l++) {

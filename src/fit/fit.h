@@ -24,6 +24,14 @@ struct observer {
     double scale; /* objective to the caller's units */
 };
 
+/* Where the lobes of one kind are searched: theta = ln s. */
+struct domain {
+    double low, high; /* of the search; the tail counts as its end */
+    double flat; /* beyond `high` nothing changes up to here: the end of the range, or of finite y; below `low`: no
+                         lobe has a finite y */
+    double tail; /* end of the options' range */
+};
+
 /* What a fit hands out by pointer, in the workspace: `result` and what it points to, but for arrays of K. */
 struct handout {
     void *block; /* what brdffit_result_free() frees: set by brdffit_fit_new() */
@@ -38,19 +46,17 @@ struct handout {
 };
 
 struct fit {
+    struct model model;
     struct reduced data;
-    struct axis axis;
+    struct axis axis[KINDS_MOST];
     struct heap heap;
     struct bound_moment moment; /* only the engine in use is laid out */
     struct bound_socp socp;
     struct bound_lp linear;
     struct l1_linf restricted; /* norms l1 and linf only */
     struct varpro varpro;
-    const struct lobe_kind *kind;
     brdffit_norm norm;
-    double theta_low, theta_high; /* domain of the search; the tail counts as its end */
-    double theta_flat; /* beyond theta_high nothing changes up to here: the end of the range, or of finite y */
-    double theta_tail; /* end of the options' range */
+    struct domain domain[KINDS_MOST];
     struct handout *handout;
     double *x, *y, *rms; /* K, K x P, K: the result's arrays */
     double rows_error; /* how far E^2 of the rows may be from that of the samples, relative to the total: 0, but of
@@ -60,6 +66,12 @@ struct fit {
     double (*try_point)(void *fit, struct point *point); /* the engine's */
     struct observer observer;
 };
+
+/* The domain of a lobe. */
+static inline const struct domain *fit_domain(const struct fit *f, int lobe)
+{
+    return &f->domain[f->model.lobe[lobe].kind];
+}
 
 /* Every field in its range. The options are whole, as brdffit_intake_options() makes them; so are all that follow. */
 brdffit_status brdffit_options_check(const brdffit_options *options, brdffit_error *error);
@@ -101,8 +113,8 @@ void brdffit_fit_engine_finish(struct fit *fit, const brdffit_options *options);
 /* Have the rules show each box to the options' callback. *options and *fit must live as long as the search. */
 void brdffit_fit_observe(struct fit *fit, const brdffit_options *options, struct search_rules *rules);
 
-/* The roughness of theta, s^(-1/2) whatever the distribution's parameter is, never outside of the options' range. */
-double brdffit_fit_sigma(const struct fit *fit, double theta, const brdffit_options *options);
+/* The roughness of theta, s^(-1/2) whatever the kind's parameter is, never outside of the options' range. */
+double brdffit_fit_sigma(const struct fit *fit, int kind, double theta, const brdffit_options *options);
 
 /* Exact objective at a point in the fit's norm, while its engine is there. With `prove`, value->kkt is meant too. */
 void brdffit_fit_evaluate(struct fit *fit, const struct point *at, int prove, struct varpro_value *value);

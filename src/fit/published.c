@@ -34,39 +34,48 @@ static void open_scales(const struct fit *f, const double *sigma, struct scales 
 {
     int p;
 
-    for (p = 0; p < f->varpro.lobes; p++) {
+    for (p = 0; p < f->model.lobes; p++) {
+        const struct table *t = varpro_table(&f->varpro, p);
+
         v->s[p] = twofold_inverse_square(sigma[p]);
-        v->factor[p] = wide_times(brdffit_lobe_factor(f->kind, v->s[p], f->data.c_min), wide_of(f->data.scale_b));
+        v->factor[p] = brdffit_lobe_factor(model_kind(&f->model, p), v->s[p], t->c_min);
+        v->factor[p] = wide_times(v->factor[p], wide_of(t->scale_b));
     }
+}
+
+/* What values of channel k are divided by. */
+static struct wide unit_of(const struct fit *f, size_t k)
+{
+    return wide_times(wide_of(f->data.channel_scale[k]), wide_of(f->data.value_scale));
 }
 
 /* The coefficient of column j of the vector form, divided by `factor`, in the data's units. */
 static double in_data_units(const struct fit *f, const struct nnls_answer *answer, size_t k, int j, struct wide factor)
 {
     const struct nnls *nnls = &f->varpro.nnls;
-    struct wide z = wide_of(answer->unit[j]);
+    struct wide z;
 
     if (!(answer->unit[j] > 0.0) || !(factor.value > 0.0)) {
         return 0.0;
     }
-    z = wide_times(wide_times(z, wide_of(answer->data_scale)), wide_of(f->data.channel_scale[k]));
+    z = wide_times(wide_times(wide_of(answer->unit[j]), wide_of(answer->data_scale)), unit_of(f, k));
     return wide_value(wide_over(wide_over(wide_over(z, wide_of(nnls->norm[j])), wide_of(nnls->scale[j])), factor));
 }
 
 /* And back. */
 static double in_internal_units(const struct fit *f, double coefficient, size_t k, struct wide factor)
 {
-    return wide_value(wide_over(wide_times(wide_of(coefficient), factor), wide_of(f->data.channel_scale[k])));
+    return wide_value(wide_over(wide_times(wide_of(coefficient), factor), unit_of(f, k)));
 }
 
 static void coefficients(struct fit *f, const struct scales *v)
 {
-    size_t k, lobes = (size_t)f->varpro.lobes, p;
+    size_t k, lobes = (size_t)f->model.lobes, p;
 
     for (k = 0; k < f->data.channels; k++) {
         f->x[k] = in_data_units(f, &f->varpro.answer[k], k, 0, wide_of(f->data.scale_a));
         for (p = 0; p < lobes; p++) {
-            f->y[k * lobes + p] = in_data_units(f, &f->varpro.answer[k], k, 1 + (int)p, v->factor[p]);
+            f->y[k * lobes + p] = in_data_units(f, &f->varpro.answer[k], k, f->model.lobe[p].column, v->factor[p]);
         }
     }
 }
@@ -74,16 +83,16 @@ static void coefficients(struct fit *f, const struct scales *v)
 /* Columns b phi of each lobe, into varpro's. */
 static void columns(struct fit *f, const struct scales *v)
 {
-    const struct reduced *data = &f->data;
     size_t r;
     int p;
 
-    for (p = 0; p < f->varpro.lobes; p++) {
-        double u = f->kind->argument(data->c_min, v->s[p].high);
+    for (p = 0; p < f->model.lobes; p++) {
+        const struct lobe_kind *kind = model_kind(&f->model, p);
+        const struct table *t = varpro_table(&f->varpro, p);
 
-        f->kind->shape(f->varpro.kernels, data->c, data->stride, u, f->varpro.phi);
-        for (r = 0; r < data->rows; r++) {
-            f->varpro.column[p][r] = data->row_b[r] * f->varpro.phi[data->row_c[r]];
+        kind->shape(f->varpro.kernels, t->c, f->data.stride, kind->argument(t->c_min, v->s[p].high), f->varpro.phi);
+        for (r = 0; r < f->data.rows; r++) {
+            f->varpro.column[p][r] = t->row_b[r] * f->varpro.phi[f->data.row_c[r]];
         }
     }
 }
@@ -108,10 +117,15 @@ static void add_row(const struct fit *f, size_t r, double residual, double round
     sums->largest_error = fmax(sums->largest_error, rounding);
 }
 
-/* -d ln phi / d ln s, or more. */
-static double steepness(const struct fit *f, double c, double s)
+/* How far the shape of lobe p at a row may be off, but for TOL_PUBLISHED, relative to it. */
+static double shape_error(const struct fit *f, const struct scales *v, int p, size_t r)
 {
-    return f->kind->exponential ? fmin(1e30, c * s) : fmin(2.0, 2.0 * c * s);
+    const struct table *t = varpro_table(&f->varpro, p);
+    double exponent = t->c[f->data.row_c[r]] *
+                      v->s[p].high; /* -d ln phi / d ln s, of which no other kind has more than 2 */
+
+    exponent = model_kind(&f->model, p)->exponential ? fmin(1e30, exponent) : fmin(2.0, 2.0 * exponent);
+    return (TOL_PUBLISHED_EXPONENT * TOL_UNIT + t->snapped) * exponent;
 }
 
 /* Residuals of channel k at internal coefficients x and y, in units of `scale`. */
@@ -121,20 +135,19 @@ static struct channel_sums residuals(const struct fit *f, const struct scales *v
     const struct reduced *data = &f->data;
     const double *value = data->row_value + k * data->used;
     struct channel_sums sums = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, 0.0, 0.0};
-    double exponent_unit = TOL_PUBLISHED_EXPONENT * TOL_UNIT + data->snapped;
     size_t r;
     int p;
 
     for (r = 0; r < data->rows; r++) {
         double part = data->row_a[r] * x, residual = value[r] - part, size = fabs(value[r]) + fabs(part), steep = 0.0;
 
-        for (p = 0; p < f->varpro.lobes; p++) {
+        for (p = 0; p < f->model.lobes; p++) {
             part = y[p] * f->varpro.column[p][r];
             residual -= part;
             size += fabs(part);
-            steep += fabs(part) * steepness(f, data->c[data->row_c[r]], v->s[p].high);
+            steep += part != 0.0 ? fabs(part) * shape_error(f, v, p, r) : 0.0;
         }
-        add_row(f, r, residual / scale, (TOL_PUBLISHED * TOL_UNIT * size + exponent_unit * steep) / scale, &sums);
+        add_row(f, r, residual / scale, (TOL_PUBLISHED * TOL_UNIT * size + steep) / scale, &sums);
     }
     return sums;
 }
@@ -161,14 +174,15 @@ static void add_channel(const struct fit *f, const struct channel_sums *sums, do
 
 double brdffit_fit_triangle_error(const struct reduced *r)
 {
-    size_t place, end, largest = 0, width = r->channels + 2;
+    size_t g, largest = 0, width = r->channels + 1 + (size_t)r->geometries;
 
     if (r->rows >= r->used) {
         return 0.0;
     }
-    for (place = 0; place < r->used; place = end) {
-        end = brdffit_reduce_group_end(r, place);
-        largest = end - place > largest ? end - place : largest;
+    for (g = 0; g < r->groups; g++) {
+        size_t size = r->begin[g + 1] - r->begin[g];
+
+        largest = size > largest ? size : largest;
     }
     return 3.0 * TOL_TRIANGLE * TOL_UNIT * (double)(largest / REDUCE_BLOCK + 1) *
            (double)((REDUCE_BLOCK + width) * width);
@@ -177,7 +191,7 @@ double brdffit_fit_triangle_error(const struct reduced *r)
 struct published brdffit_fit_publish(struct fit *f, const double *sigma)
 {
     struct published out = {0.0, 0.0, 0.0};
-    size_t k, lobes = (size_t)f->varpro.lobes, p;
+    size_t k, lobes = (size_t)f->model.lobes, p;
     struct scales v;
 
     open_scales(f, sigma, &v);
@@ -193,7 +207,8 @@ struct published brdffit_fit_publish(struct fit *f, const double *sigma)
         }
         sums = residuals(f, &v, k, x, y, scale);
         add_channel(f, &sums, scale, f->triangle_error * sqrt(f->data.ii[k]), &out);
-        f->rms[k] = scale * sqrt(sums_value(&sums.squares) / f->data.weight_sum) * f->data.channel_scale[k];
+        f->rms[k] = scale * sqrt(sums_value(&sums.squares) / f->data.weight_sum) * f->data.value_scale *
+                    f->data.channel_scale[k];
     }
     out.error += f->rows_error * f->data.total + 4.0 * (double)f->data.channels * TOL_UNIT * out.objective;
     return out;

@@ -16,41 +16,41 @@ static double clamp(double value, double low, double high)
     return value < low ? low : value > high ? high : value;
 }
 
-/* What is claimed ends at theta_flat, and the search a little beyond (domain.c). */
-static double claimed(const struct fit *f, double theta)
+/* What is claimed ends at `flat`, and the search a little beyond (domain.c). */
+static double claimed(const struct domain *d, double theta)
 {
-    return f->theta_flat >= f->theta_low && theta > f->theta_flat ? f->theta_flat : theta;
+    return d->flat >= d->low && theta > d->flat ? d->flat : theta;
 }
 
 /* Whether theta is an end of the options' range to rounding: those ends were moved outwards by that (domain.c). */
-static int at_low_end(const struct fit *f, double theta)
+static int at_low_end(const struct domain *d, double theta)
 {
-    return theta <= brdffit_fit_outwards(f->theta_low, 2.0);
+    return theta <= brdffit_fit_outwards(d->low, 2.0);
 }
 
-static int at_high_end(const struct fit *f, double theta)
+static int at_high_end(const struct domain *d, double theta)
 {
-    return theta >= brdffit_fit_outwards(f->theta_tail, -2.0);
+    return theta >= brdffit_fit_outwards(d->tail, -2.0);
 }
 
 /* The exponent n = s of theta: the options' own number at an end of the range, and never outside of it. */
-static double exponent_of(const struct fit *f, double theta, const brdffit_options *o)
+static double exponent_of(const struct fit *f, int kind, double theta, const brdffit_options *o)
 {
-    theta = claimed(f, theta);
-    return at_low_end(f, theta)    ? o->exponent_min
-           : at_high_end(f, theta) ? o->exponent_max
-                                   : clamp(kernel_exp(theta), o->exponent_min, o->exponent_max);
+    theta = claimed(&f->domain[kind], theta);
+    return at_low_end(&f->domain[kind], theta)    ? o->exponent_min
+           : at_high_end(&f->domain[kind], theta) ? o->exponent_max
+                                                  : clamp(kernel_exp(theta), o->exponent_min, o->exponent_max);
 }
 
-double brdffit_fit_sigma(const struct fit *f, double theta, const brdffit_options *o)
+double brdffit_fit_sigma(const struct fit *f, int kind, double theta, const brdffit_options *o)
 {
-    if (f->kind->by_exponent) {
-        return 1.0 / sqrt(exponent_of(f, theta, o));
+    if (f->model.kind[kind]->by_exponent) {
+        return 1.0 / sqrt(exponent_of(f, kind, theta, o));
     }
-    theta = claimed(f, theta);
-    return at_low_end(f, theta)    ? o->sigma_max
-           : at_high_end(f, theta) ? o->sigma_min
-                                   : clamp(kernel_exp(-0.5 * theta), o->sigma_min, o->sigma_max);
+    theta = claimed(&f->domain[kind], theta);
+    return at_low_end(&f->domain[kind], theta)    ? o->sigma_max
+           : at_high_end(&f->domain[kind], theta) ? o->sigma_min
+                                                  : clamp(kernel_exp(-0.5 * theta), o->sigma_min, o->sigma_max);
 }
 
 static double objective_at(struct fit *f, struct point at, int p, double theta)
@@ -107,14 +107,14 @@ static double flat_end(struct fit *f, const struct point *at, int p, double end,
 }
 
 /* The roughness at theta, and the interval from there up to theta `high`, in the parameter's terms too. */
-static void publish_roughness(const struct fit *f, double theta, double high, const brdffit_options *o,
+static void publish_roughness(const struct fit *f, int kind, double theta, double high, const brdffit_options *o,
                               brdffit_lobe *lobe)
 {
-    lobe->sigma = lobe->sigma_high = brdffit_fit_sigma(f, theta, o);
-    lobe->sigma_low = brdffit_fit_sigma(f, high, o);
-    if (f->kind->by_exponent) {
-        lobe->exponent = lobe->exponent_low = exponent_of(f, theta, o);
-        lobe->exponent_high = exponent_of(f, high, o);
+    lobe->sigma = lobe->sigma_high = brdffit_fit_sigma(f, kind, theta, o);
+    lobe->sigma_low = brdffit_fit_sigma(f, kind, high, o);
+    if (f->model.kind[kind]->by_exponent) {
+        lobe->exponent = lobe->exponent_low = exponent_of(f, kind, theta, o);
+        lobe->exponent_high = exponent_of(f, kind, high, o);
     }
 }
 
@@ -136,59 +136,62 @@ static unsigned move_to_largest(struct fit *f, struct point *at, const struct le
     unsigned flat = 0;
     int p;
 
-    for (p = 0; p < f->varpro.lobes; p++) {
-        if (!(curved >> p & 1) && flat_towards(f, at, p, f->theta_low, level) &&
-            flat_towards(f, at, p, f->theta_high, level)) {
-            at->theta[p] = flat_end(f, at, p, f->theta_low, level);
+    for (p = 0; p < f->model.lobes; p++) {
+        const struct domain *d = fit_domain(f, p);
+
+        if (!(curved >> p & 1) && flat_towards(f, at, p, d->low, level) && flat_towards(f, at, p, d->high, level)) {
+            at->theta[p] = flat_end(f, at, p, d->low, level);
             flat |= 1u << p;
         }
     }
     return flat;
 }
 
-/* Roughness and its interval, with the other lobe where it ended up. */
+/* Roughness and its interval, with the other lobes where they ended up. */
 static void describe_lobe(struct fit *f, const struct point *at, int p, int flat, const struct level *level,
                           const brdffit_options *o, brdffit_lobe *lobe)
 {
+    const struct domain *d = fit_domain(f, p);
     double high = at->theta[p];
 
     lobe->warnings = 0;
     if (flat) {
-        high = flat_end(f, at, p, f->theta_high, level);
-        high = high < f->theta_high ? high : f->theta_flat;
+        high = flat_end(f, at, p, d->high, level);
+        high = high < d->high ? high : d->flat;
     }
     if (high > at->theta[p]) {
         lobe->warnings |= BRDFFIT_WARN_FLAT;
-    } else if (at_low_end(f, at->theta[p]) || at_high_end(f, at->theta[p])) {
+    } else if (at_low_end(d, at->theta[p]) || at_high_end(d, at->theta[p])) {
         lobe->warnings |= BRDFFIT_WARN_AT_LIMIT;
     }
-    publish_roughness(f, at->theta[p], high, o, lobe);
+    publish_roughness(f, f->model.lobe[p].kind, at->theta[p], high, o, lobe);
 }
 
 /* N_eff = (sum g^2)^2 / sum g^4 over samples. */
-static double effective_samples(struct fit *f, double theta)
+static double effective_samples(struct fit *f, int p, double theta)
 {
-    const struct reduced *data = &f->data;
-    double u[3], h = 0.0, sum = 0.0;
+    const struct lobe_kind *kind = model_kind(&f->model, p);
+    const struct table *t = varpro_table(&f->varpro, p);
+    double u[3], h = 0.0, sum = 0.0, *phi = f->varpro.phi;
     size_t j;
 
-    f->kind->variable(data->c_min, theta, u);
-    f->kind->shape(f->varpro.kernels, data->c, data->stride, u[0], f->varpro.phi);
-    for (j = 0; j < data->distinct; j++) {
-        h += data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]);
+    kind->variable(t->c_min, theta, u);
+    kind->shape(f->varpro.kernels, t->c, f->data.stride, u[0], phi);
+    for (j = 0; j < f->data.distinct; j++) {
+        h += t->bb[j] * (phi[j] * phi[j]);
     }
-    for (j = 0; j < data->distinct && h > 0.0; j++) {
-        double share = data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]) / h;
+    for (j = 0; j < f->data.distinct && h > 0.0; j++) {
+        double share = t->bb[j] * (phi[j] * phi[j]) / h;
 
-        sum += share * share * data->concentration[j];
+        sum += share * share * t->concentration[j];
     }
     return sum > 0.0 ? 1.0 / sum : 0.0;
 }
 
 static void lobe_shares(const struct fit *f, brdffit_lobe *lobe)
 {
-    double sum[BRDFFIT_MAX_LOBES] = {0.0, 0.0}, all = 0.0, largest = 0.0;
-    size_t k, lobes = (size_t)f->varpro.lobes, p;
+    double sum[BRDFFIT_MAX_LOBES] = {0.0}, all = 0.0, largest = 0.0;
+    size_t k, lobes = (size_t)f->model.lobes, p;
 
     for (k = 0; k < f->data.channels * lobes; k++) {
         largest = fmax(largest, f->y[k]);
@@ -253,24 +256,28 @@ static void certificate(const struct fit *f, const struct search_result *found, 
     result->sum_of_squares = f->data.total * scale;
     result->stop = found->stop;
     result->rms_total = sqrt(published->squares / ((double)f->data.channels * f->data.weight_sum)) *
-                        (o->normalise == BRDFFIT_NORMALISE_NONE ? f->data.channel_scale[0] : 1.0);
+                        (o->normalise == BRDFFIT_NORMALISE_NONE ? f->data.channel_scale[0] : 1.0) * f->data.value_scale;
     brdffit_fit_judge(o, result);
 }
 
-/* Lobes in ascending sigma, that is, descending theta; returns whether they were not. */
-static int order_lobes(struct point *at, brdffit_lobe *lobe, int lobes)
+/* Like lobes in ascending sigma, that is, descending theta; returns whether they were not. */
+static int order_lobes(const struct model *model, struct point *at, brdffit_lobe *lobe)
 {
-    double theta = at->theta[0];
-    brdffit_lobe first = lobe[0];
+    int p, q, swapped = 0;
 
-    if (lobes < 2 || !(theta < at->theta[1])) {
-        return 0;
+    for (p = 1; p < model->lobes; p++) {
+        for (q = p; q > model->lobe[p].first && at->theta[q - 1] < at->theta[q]; q--) {
+            double theta = at->theta[q - 1];
+            brdffit_lobe other = lobe[q - 1];
+
+            at->theta[q - 1] = at->theta[q];
+            at->theta[q] = theta;
+            lobe[q - 1] = lobe[q];
+            lobe[q] = other;
+            swapped = 1;
+        }
     }
-    at->theta[0] = at->theta[1];
-    at->theta[1] = theta;
-    lobe[0] = lobe[1];
-    lobe[1] = first;
-    return 1;
+    return swapped;
 }
 
 /* Lobes, as bits, whose curvature at the point leaves no doubt that FLAT_STEP changes the objective. */
@@ -279,12 +286,38 @@ static unsigned curved_lobes(const struct fit *f, const struct varpro_value *val
     unsigned curved = 0;
     int p;
 
-    for (p = 0; p < f->varpro.lobes; p++) {
+    for (p = 0; p < f->model.lobes; p++) {
         if (0.5 * value->hessian[p][p] * (FLAT_STEP * FLAT_STEP) > FLAT_DOUBT * level->tolerance) {
             curved |= 1u << p;
         }
     }
     return curved;
+}
+
+/* The range of every lobe reaches down to this roughness; infinity where no lobe is left. */
+static double sigma_floor(const struct fit *f, const brdffit_options *o)
+{
+    double largest = 0.0;
+    int kind;
+
+    for (kind = 0; kind < f->model.kinds; kind++) {
+        const struct domain *d = &f->domain[kind];
+
+        largest = fmax(largest, d->flat < d->low ? INFINITY : brdffit_fit_sigma(f, kind, d->flat, o));
+    }
+    return largest;
+}
+
+/* Below this roughness the data see no change of any lobe. */
+static double sigma_tail(const struct fit *f, const brdffit_options *o)
+{
+    double least = INFINITY;
+    int kind;
+
+    for (kind = 0; kind < f->model.kinds; kind++) {
+        least = fmin(least, brdffit_fit_sigma(f, kind, f->domain[kind].high, o));
+    }
+    return least;
 }
 
 /* The model, which points to what the handout and the fit hold. */
@@ -294,7 +327,7 @@ static void publish_model(struct fit *f, const brdffit_options *o)
     int p;
 
     h->model.struct_size = INTAKE_LEAST(brdffit_model, distributions);
-    h->model.distribution = o->distribution;
+    h->model.distribution = f->model.distribution[0];
     h->model.lobes = o->lobes;
     h->model.channels = f->data.channels;
     h->model.sigma = h->sigma;
@@ -303,7 +336,7 @@ static void publish_model(struct fit *f, const brdffit_options *o)
     h->model.distributions = h->distributions;
     for (p = 0; p < o->lobes; p++) {
         h->sigma[p] = h->lobe[p].sigma;
-        h->distributions[p] = o->distributions ? o->distributions[p] : o->distribution;
+        h->distributions[p] = f->model.distribution[p];
         h->lobes[p] = &h->lobe[p];
     }
     h->result.model = &h->model;
@@ -323,8 +356,8 @@ static void publish(struct fit *f, const brdffit_options *o)
     }
     result->channel_scale = f->data.channel_scale;
     result->rms = f->rms;
-    result->sigma_floor = f->theta_flat < f->theta_low ? INFINITY : brdffit_fit_sigma(f, f->theta_flat, o);
-    result->sigma_tail = brdffit_fit_sigma(f, f->theta_high, o);
+    result->sigma_floor = sigma_floor(f, o);
+    result->sigma_tail = sigma_tail(f, o);
     result->distinct_c = f->data.distinct;
     result->channels_zero = f->data.channels_zero;
     result->channels_identical = f->data.channels_identical;
@@ -348,7 +381,7 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     int p, swapped;
 
     *h = zero;
-    (void)order_lobes(&at, h->lobe, o->lobes);
+    (void)order_lobes(&f->model, &at, h->lobe);
     if (f->norm == BRDFFIT_NORM_L2) {
         brdffit_varpro_evaluate(&f->varpro, &at, 1, &value);
         curved = curved_lobes(f, &value, &level);
@@ -356,9 +389,9 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     flat = move_to_largest(f, &at, &level, curved);
     for (p = 0; p < o->lobes; p++) {
         describe_lobe(f, &at, p, (flat >> p) & 1, &level, o, &h->lobe[p]);
-        h->lobe[p].effective_samples = effective_samples(f, at.theta[p]);
+        h->lobe[p].effective_samples = effective_samples(f, p, at.theta[p]);
     }
-    swapped = order_lobes(&at, h->lobe, o->lobes);
+    swapped = order_lobes(&f->model, &at, h->lobe);
     if (curved != all || swapped) {
         brdffit_fit_evaluate(f, &at, 1, &value);
     }

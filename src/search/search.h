@@ -29,7 +29,7 @@ struct search_result {
     size_t boxes;
 };
 
-/* Partition `axis` must be started. The heap is emptied first. */
+/* Every axis of the engine's sides must be started. The heap is emptied first. */
 void brdffit_search(struct axis *axis, struct heap *heap, const struct engine *engine, const struct search_rules *rules,
                     struct search_result *result);
 
