@@ -6,8 +6,8 @@
  * brought back to internal units, so that whoever evaluates the model finds the same.
  *
  * y = z / (|g| lambda(s) phi(s, c_min)) is formed with an exponent of its own (wide.h): phi(s, c_min) may be far below
- * the smallest double where y is an ordinary number. A y that no double holds with all its digits is published as what
- * is left of it, and the objective says what that costs.
+ * the smallest double where y is an ordinary number. A coefficient that no double holds with all its digits is published
+ * as the nearest one, and the objective says what that costs.
  *
  * Error. A row's residual I - a x - sum y g is off by at most
  *
@@ -18,6 +18,7 @@
  */
 #include "fit/published.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "base/tolerance.h"
@@ -59,7 +60,8 @@ static double in_data_units(const struct fit *f, const struct nnls_answer *answe
         return 0.0;
     }
     z = wide_times(wide_times(wide_of(answer->unit[j]), wide_of(answer->data_scale)), unit_of(f, k));
-    return wide_value(wide_over(wide_over(wide_over(z, wide_of(nnls->norm[j])), wide_of(nnls->scale[j])), factor));
+    z = wide_over(wide_over(wide_over(z, wide_of(nnls->norm[j])), wide_of(nnls->scale[j])), factor);
+    return fmin(wide_value(z), DBL_MAX);
 }
 
 /* And back. */
