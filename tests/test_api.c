@@ -157,7 +157,11 @@ static void test_eval_formula(void **state)
         struct brdffit_test_spec spec = brdffit_test_spec_default();
         struct brdffit_test_data data;
         double x[2], y[4];
-        brdffit_model model = {i & 1 ? BRDFFIT_GGX : BRDFFIT_BECKMANN, 1 + (i >> 1 & 1), 2, {0.0, 0.0}, x, y};
+        brdffit_model model = {.distribution = i & 1 ? BRDFFIT_GGX : BRDFFIT_BECKMANN,
+                               .lobes = 1 + (i >> 1 & 1),
+                               .channels = 2,
+                               .x = x,
+                               .y = y};
 
         spec.seed = (uint64_t)i + 1;
         spec.count = 64;

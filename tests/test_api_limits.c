@@ -29,7 +29,7 @@ static void test_eval_of_extremes(void **state)
     at.cos_light = at.cos_view = at.cos_difference = cosines;
     for (d = 0; d < BRDFFIT_DISTRIBUTION_COUNT; d++) {
         for (i = 0; i < sizeof sigma / sizeof sigma[0]; i++) {
-            brdffit_model model = {(brdffit_distribution)d, 1, 1, {sigma[i], 0.0}, x, y};
+            brdffit_model model = {.distribution = (brdffit_distribution)d, .lobes = 1, .channels = 1, .sigma = {sigma[i]}, .x = x, .y = y};
 
             for (j = 0; j < sizeof tan2 / sizeof tan2[0]; j++) {
                 double out = 0.0;
@@ -191,7 +191,7 @@ static void test_inspect_of_bad_input(void **state)
     check_inspect(&s, &options);
     s.values = NULL;
     check_inspect(&s, &options);
-    options.lobes = 3;
+    options.lobes = BRDFFIT_MAX_LOBES + 1;
     check_inspect(&s, &options);
     brdffit_options_init(&options);
     options.struct_size = 4;
