@@ -330,7 +330,7 @@ typedef enum brdffit_stop {
     BRDFFIT_STOP_ROUNDING,         /* boxes cannot be split further in floating point, or the gap is closed but for
                                       e2_error */
     BRDFFIT_STOP_BUDGET,           /* box_budget is used up */
-    BRDFFIT_STOP_MEMORY,           /* the workspace's node table is full */
+    BRDFFIT_STOP_MEMORY,           /* no room even to go on depth first: not with brdffit_workspace_size() bytes */
     BRDFFIT_STOP_CANCELLED,        /* the progress callback said so */
     BRDFFIT_STOP_CONTRADICTION,    /* the bound came out above e2 by more than e2_error: an error of this library;
                                       nothing is proven, lower_bound is 0 */
@@ -416,8 +416,9 @@ BRDFFIT_API brdffit_status brdffit_eval(const brdffit_model *model, const brdffi
 /*
  * Bytes of workspace that brdffit_fit() needs for `count` samples of
  * `channels` channels. 0 when the options are invalid or the size overflows.
- * Grows linearly with count and with min(box_budget, its internal caps);
- * pages that a fit does not need are never touched.
+ * Grows linearly with count and with min(box_budget, its internal caps): a
+ * search that has filled those goes on depth first, which needs no more, to
+ * the end of its budget. Pages that a fit does not need are never touched.
  */
 BRDFFIT_API size_t brdffit_workspace_size(size_t count, size_t channels, const brdffit_options *options);
 

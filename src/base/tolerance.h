@@ -128,6 +128,9 @@
 /* An interval of ln s narrower than this relative to its magnitude is not split: the midpoint would round. */
 #define LIMIT_SPLIT 1e-14
 
+/* Halvings of a side until it is that narrow: its range is below 100, and the least width 1e-14. */
+#define LIMIT_HALVINGS 56
+
 /* Internal caps that size the workspace; a smaller box budget lowers them. */
 #define LIMIT_NODES_ONE 2048
 #define LIMIT_NODES_TWO 8192

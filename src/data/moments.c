@@ -258,3 +258,15 @@ struct pair brdffit_moments_scratch_pair(struct moments *m, int kind, uint32_t f
     brdffit_moments_fill_pair(m, &at, &pair);
     return pair;
 }
+
+void brdffit_moments_forget(struct moments *m, int kind, uint32_t index)
+{
+    size_t i;
+
+    m->kind[kind].ready[index] = 0;
+    for (i = 0; m->cache && i < PAIR_CACHE; i++) {
+        if (m->cache[i].first == index || m->cache[i].second == index) {
+            m->cache[i].kinds = UINT32_MAX;
+        }
+    }
+}

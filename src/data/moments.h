@@ -81,6 +81,9 @@ void brdffit_moments_start(struct moments *moments, const struct reduced *data, 
 /* Node `index` of a kind at coordinate theta, computed on first use. */
 const struct node *brdffit_moments_node(struct moments *moments, int kind, uint32_t index, double theta);
 
+/* Have node `index` of a kind, and every pair with it, computed anew: its coordinate is another now. */
+void brdffit_moments_forget(struct moments *moments, int kind, uint32_t index);
+
 /* A node at any theta, kept until the next call with the same `slot` (below SCRATCH_NODES). */
 const struct node *brdffit_moments_scratch(struct moments *moments, int kind, uint32_t slot, double theta);
 

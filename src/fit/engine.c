@@ -55,6 +55,15 @@ static double start_moment(void *self, struct point *met)
     return brdffit_bound_moment_first(&((struct fit *)self)->moment, met);
 }
 
+static void forget_moment(void *self, int kind, uint32_t node, uint32_t interval)
+{
+    struct bound_moment *moment = &((struct fit *)self)->moment;
+
+    brdffit_moments_forget(&moment->moments, kind, node);
+    brdffit_interval_forget(&moment->intervals[kind], interval);
+    brdffit_interval_forget(&moment->intervals[kind], interval + 1);
+}
+
 static double bound_socp(void *self, struct box *box, struct point *met)
 {
     return brdffit_bound_socp(&((struct fit *)self)->socp, box, met);
@@ -100,6 +109,7 @@ brdffit_status brdffit_fit_engine_start(struct fit *f, const brdffit_options *o,
     engine->try_point = try_point;
     engine->width = width;
     engine->start = NULL;
+    engine->forget = NULL;
     if (o->norm != BRDFFIT_NORM_L2) {
         return start_lp(f, o, engine);
     }
@@ -112,6 +122,7 @@ brdffit_status brdffit_fit_engine_start(struct fit *f, const brdffit_options *o,
     brdffit_bound_moment_start(&f->moment, &f->data, &f->model, f->varpro.kernels, f->axis);
     engine->bound = bound_moment;
     engine->start = start_moment;
+    engine->forget = forget_moment;
     engine->try_point = model_exponential(&f->model) ? try_moments : try_point;
     engine->noise = 2.0 * f->moment.moments.slack;
     return BRDFFIT_OK;

@@ -110,13 +110,16 @@ brdffit_status brdffit_options_check(const brdffit_options *o, brdffit_error *er
     return BRDFFIT_OK;
 }
 
-/* Every split makes one node, so a budget of boxes bounds them too. Engine socp keeps nothing else about nodes. */
+/*
+ * Every split makes one node, so a budget of boxes bounds them too; and those that a search lends once it is full, enough for
+ * every side to be halved until it is too narrow. Engine socp keeps nothing else about nodes.
+ */
 static uint32_t node_capacity(const brdffit_options *o)
 {
     size_t cap = o->engine == BRDFFIT_ENGINE_SOCP || o->norm != BRDFFIT_NORM_L2 ? LIMIT_NODES_SOCP
                  : o->lobes > 1                                                 ? LIMIT_NODES_TWO
                                                                                 : LIMIT_NODES_ONE;
-    size_t wanted = o->box_budget < cap ? o->box_budget + FIRST_INTERVALS + 2 : cap;
+    size_t wanted = o->box_budget < cap ? o->box_budget + FIRST_INTERVALS + 2 + LIMIT_HALVINGS * (size_t)o->lobes : cap;
 
     return (uint32_t)(wanted < cap ? wanted : cap);
 }
@@ -147,6 +150,7 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
     brdffit_varpro_layout(&f->varpro, arena, count, channels, &f->model);
     for (kind = 0; kind < f->model.kinds; kind++) {
         brdffit_axis_layout(&f->axis[kind], arena, nodes);
+        brdffit_axis_reserve(&f->axis[kind], LIMIT_HALVINGS * (uint32_t)o->lobes);
     }
     brdffit_heap_layout(&f->heap, arena, heap_capacity(o));
     if (o->norm != BRDFFIT_NORM_L2) {

@@ -105,6 +105,7 @@ static void verify(struct fit *f, const brdffit_options *o, struct search_rules 
     engine.bound = bound;
     engine.start = NULL;
     engine.try_point = try_point;
+    engine.forget = NULL; /* as engine socp */
     engine.width = width;
     engine.noise = 0.0;
     rules->relative_gap = rules->absolute_gap = 0.0;

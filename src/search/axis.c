@@ -10,6 +10,7 @@
 void brdffit_axis_layout(struct axis *axis, struct arena *arena, uint32_t node_capacity)
 {
     axis->node_capacity = node_capacity;
+    axis->lent = 0;
     axis->coordinate = ARENA_DOUBLES(arena, node_capacity);
     axis->interval = brdffit_arena_take(arena, AXIS_INTERVALS(node_capacity), sizeof *axis->interval);
 }
@@ -42,28 +43,59 @@ int brdffit_axis_narrow(const struct axis *axis, uint32_t interval)
     return !(high - low > LIMIT_SPLIT * (1.0 + fabs(low) + fabs(high)));
 }
 
+void brdffit_axis_reserve(struct axis *axis, uint32_t levels)
+{
+    axis->lent = levels + 2 < axis->node_capacity ? levels : axis->node_capacity > 2 ? axis->node_capacity - 2 : 0;
+}
+
+/* Place of the intervals of a level, from the end: they come in pairs, and pairs of nodes are too many by far. */
+static uint32_t lent_interval(const struct axis *axis, uint32_t level)
+{
+    return (uint32_t)AXIS_INTERVALS(axis->node_capacity) - 2 * (axis->lent - level);
+}
+
+int brdffit_axis_is_lent(const struct axis *axis, uint32_t interval)
+{
+    return axis->lent > 0 && interval >= lent_interval(axis, 0);
+}
+
+/* Halves of an interval, at `child` and the one after, with a node in between. */
+static void halve(struct axis *axis, uint32_t interval, uint32_t child, uint32_t middle)
+{
+    const struct axis_interval parent = axis->interval[interval];
+
+    axis->coordinate[middle] = 0.5 * (axis->coordinate[parent.low] + axis->coordinate[parent.high]);
+    axis->interval[child].low = parent.low;
+    axis->interval[child].high = middle;
+    axis->interval[child].child = 0;
+    axis->interval[child + 1].low = middle;
+    axis->interval[child + 1].high = parent.high;
+    axis->interval[child + 1].child = 0;
+}
+
 uint32_t brdffit_axis_split(struct axis *axis, uint32_t interval)
 {
     struct axis_interval *parent = &axis->interval[interval];
-    struct axis_interval *child;
-    uint32_t middle = axis->nodes;
 
     if (parent->child) {
         return parent->child;
     }
-    if (axis->nodes >= axis->node_capacity || brdffit_axis_narrow(axis, interval)) {
+    if (axis->nodes >= axis->node_capacity - axis->lent || brdffit_axis_narrow(axis, interval)) {
         return 0;
     }
-    axis->coordinate[middle] = 0.5 * (axis->coordinate[parent->low] + axis->coordinate[parent->high]);
-    axis->nodes++;
+    halve(axis, interval, axis->intervals, axis->nodes);
     parent->child = axis->intervals;
-    child = &axis->interval[axis->intervals];
     axis->intervals += 2;
-    child[0].low = parent->low;
-    child[0].high = middle;
-    child[0].child = 0;
-    child[1].low = middle;
-    child[1].high = parent->high;
-    child[1].child = 0;
+    axis->nodes++;
     return parent->child;
+}
+
+uint32_t brdffit_axis_lend(struct axis *axis, uint32_t interval, uint32_t level, uint32_t *node)
+{
+    if (level >= axis->lent || brdffit_axis_narrow(axis, interval)) {
+        return 0;
+    }
+    *node = axis->node_capacity - axis->lent + level;
+    halve(axis, interval, lent_interval(axis, level), *node);
+    return lent_interval(axis, level);
 }

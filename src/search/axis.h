@@ -23,6 +23,7 @@ struct axis {
     double *coordinate; /* of each node */
     uint32_t intervals, nodes;
     uint32_t node_capacity;
+    uint32_t lent; /* of these, the last so many are lent, level by level, where a search goes depth first */
     uint32_t first; /* intervals 0 .. first - 1 are the first partition, ascending */
 };
 
@@ -36,6 +37,18 @@ void brdffit_axis_start(struct axis *axis, double low, double high, uint32_t fir
 
 /* First child of an interval, splitting it if needed; 0 when the axis is full or the interval too narrow. */
 uint32_t brdffit_axis_split(struct axis *axis, uint32_t interval);
+
+/* Keep nodes for `levels` levels of a search that goes depth first; at most the capacity but 2. Before the start. */
+void brdffit_axis_reserve(struct axis *axis, uint32_t levels);
+
+/*
+ * As brdffit_axis_split(), but into two intervals and a node that belong to `level`: the next call with that level makes
+ * others of them, and whoever knows something about them must forget it. 0 when there is no such level, too.
+ */
+uint32_t brdffit_axis_lend(struct axis *axis, uint32_t interval, uint32_t level, uint32_t *node);
+
+/* Whether an interval is a lent one. */
+int brdffit_axis_is_lent(const struct axis *axis, uint32_t interval);
 
 /* Whether an interval is too narrow to be split in floating point. */
 int brdffit_axis_narrow(const struct axis *axis, uint32_t interval);

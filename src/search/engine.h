@@ -36,6 +36,9 @@ struct engine {
     /* Width of an interval of an axis in sigma, for the resolution rule. */
     double (*width)(void *self, int axis, uint32_t interval);
 
+    /* NULL, or: forget what is known of a node of an axis and of two intervals from `interval` on; they have become others. */
+    void (*forget)(void *self, int axis, uint32_t node, uint32_t interval);
+
     /* Rounding of `met`: smaller differences mean nothing. */
     double noise;
 };

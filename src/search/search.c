@@ -5,6 +5,10 @@
  * least `closed`. So min(top of the heap, closed) is a lower bound at any moment, whatever stops the search.
  * Like lobes are exchangeable, so their intervals ascend: the first partition has multisets only, and a run of r equal
  * intervals splits into r + 1 boxes, by how many of them take the upper half.
+ *
+ * Best first, a search keeps every box that is open: where the objective is flat, there is no end to them. Once the heap or
+ * an axis is full it goes on depth first, one open box after the other down to its last part, on intervals that are
+ * lent level by level: the same boxes are closed in the end, in memory for one path. Only the budget ends it then.
  */
 #include "search/search.h"
 
@@ -23,6 +27,7 @@ struct search {
     double stuck;         /* smallest bound of a box that cannot be split, part of `closed` */
     brdffit_stop stuck_by;
     uint64_t sequence;
+    uint32_t depth;       /* levels below the box that is searched depth first; 0: best first */
     int full, cancelled, spent; /* why the loop ended early: heap full, callback, budget */
 };
 
@@ -91,17 +96,35 @@ static void observe(const struct search *s, const struct box *box)
     }
 }
 
+static void branch(struct search *s, struct box *box);
+
+/* Search a box, and all that it is split into, before anything else. */
+static void search_below(struct search *s, const struct box *box)
+{
+    struct box whole = *box;
+
+    s->depth++;
+    branch(s, &whole);
+    s->depth--;
+}
+
 static void keep_or_close(struct search *s, const struct box *box)
 {
     if (box->bound >= brdffit_search_cutoff(s->rules, s->result->objective)) {
         close_box(s, box->bound);
+    } else if (s->depth > 0) {
+        search_below(s, box);
     } else if (!brdffit_heap_push(s->heap, box)) {
-        close_box(s, box->bound);
-        s->full = 1;
+        if (s->axis->lent == 0) {
+            close_box(s, box->bound);
+            s->full = 1;
+        } else {
+            search_below(s, box);
+        }
     }
 }
 
-static void child(struct search *s, const struct box *parent, const uint32_t *interval)
+static struct box child(struct search *s, const struct box *parent, const uint32_t *interval)
 {
     struct box box = *parent;
     struct point met;
@@ -115,7 +138,7 @@ static void child(struct search *s, const struct box *parent, const uint32_t *in
     }
     box.bound = larger(box.bound, parent->bound); /* a child is part of its parent */
     observe(s, &box);
-    keep_or_close(s, &box);
+    return box;
 }
 
 /* The low end of every side. */
@@ -233,11 +256,28 @@ static void give_up(struct search *s, const struct box *box, brdffit_stop reason
     }
 }
 
-/* Split a side, and those that share its interval. 0 when it cannot be split. */
+/* The halves of a side's interval, for good or, depth first, lent; 0 when it cannot be split. */
+static uint32_t halves_of(struct search *s, int side, uint32_t interval)
+{
+    int which = s->engine->sides.axis[side];
+    struct axis *axis = &s->axis[which];
+    uint32_t node, children = brdffit_axis_is_lent(axis, interval) ? 0 : brdffit_axis_split(axis, interval);
+
+    if (children || s->depth == 0) {
+        return children;
+    }
+    children = brdffit_axis_lend(axis, interval, s->depth - 1, &node);
+    if (children && s->engine->forget) {
+        s->engine->forget(s->engine->self, which, node, children);
+    }
+    return children;
+}
+
+/* Split a side, and those that share its interval; all parts are bounded before one is searched. 0 when it cannot be. */
 static int split(struct search *s, const struct box *box, int side)
 {
-    struct axis *axis = &s->axis[s->engine->sides.axis[side]];
-    uint32_t interval[SIDES_MOST], children = brdffit_axis_split(axis, box->interval[side]);
+    uint32_t interval[SIDES_MOST], children = halves_of(s, side, box->interval[side]);
+    struct box part[SIDES_MOST + 1];
     int begin, length, upper, p;
 
     if (!children) {
@@ -251,7 +291,10 @@ static int split(struct search *s, const struct box *box, int side)
         for (p = 0; p < length; p++) {
             interval[begin + p] = p < length - upper ? children : children + 1;
         }
-        child(s, box, interval);
+        part[upper] = child(s, box, interval);
+    }
+    for (upper = 0; upper <= length; upper++) {
+        keep_or_close(s, &part[upper]);
     }
     return 1;
 }
@@ -267,11 +310,22 @@ static int narrow(const struct search *s, const struct box *box)
     return all;
 }
 
+/* Whether the budget has room for what a box splits into. */
+static int affordable(const struct search *s, const struct box *box)
+{
+    return children_of(s, box) <= s->rules->box_budget - s->result->boxes;
+}
+
 /* The advised side first, then the others in turn. */
 static void branch(struct search *s, struct box *box)
 {
     int count = s->engine->sides.count, turn;
 
+    if (s->depth > 0 && (s->cancelled || s->spent || !affordable(s, box))) {
+        s->spent = s->spent || !s->cancelled;
+        close_box(s, box->bound);
+        return;
+    }
     if (box_is_fine(s, box)) {
         give_up(s, box, BRDFFIT_STOP_RESOLUTION);
         return;
@@ -281,7 +335,11 @@ static void branch(struct search *s, struct box *box)
             return;
         }
     }
-    give_up(s, box, narrow(s, box) ? BRDFFIT_STOP_ROUNDING : BRDFFIT_STOP_MEMORY);
+    if (narrow(s, box) || s->depth > 0 || s->axis->lent == 0) {
+        give_up(s, box, narrow(s, box) ? BRDFFIT_STOP_ROUNDING : BRDFFIT_STOP_MEMORY);
+    } else {
+        search_below(s, box);
+    }
 }
 
 static brdffit_stop why_stopped(const struct search *s)
@@ -321,13 +379,13 @@ void brdffit_search(struct axis *axis, struct heap *heap, const struct engine *e
     result->objective = INFINITY;
     start(&s);
     first_boxes(&s);
-    while (heap->count && !s.full && !s.cancelled) {
+    while (heap->count && !s.full && !s.cancelled && !s.spent) {
         struct box box = heap->box[0];
 
         if (box.bound >= brdffit_search_cutoff(rules, result->objective)) {
             break; /* and so is every other box */
         }
-        if (children_of(&s, &box) > rules->box_budget - result->boxes) {
+        if (!affordable(&s, &box)) {
             s.spent = 1;
             break;
         }

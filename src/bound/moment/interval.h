@@ -49,6 +49,12 @@ static inline struct interval *brdffit_interval(struct intervals *t, uint32_t in
     return &t->interval[index];
 }
 
+/* Have interval `index` computed anew: its ends are others now. */
+static inline void brdffit_interval_forget(struct intervals *t, uint32_t index)
+{
+    t->ready[index] = 0;
+}
+
 /* Tighten kappa_shift and every tau_shift by the two halves of the interval, which share the node in between. */
 void brdffit_interval_refine(struct intervals *intervals, struct interval *whole, const struct interval *left,
                              const struct interval *right);
