@@ -360,10 +360,12 @@ typedef struct brdffit_result {
     double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
     double gap;                  /* e2 - lower_bound, >= 0 */
     double sum_of_squares;       /* E^2 of the zero model */
-    double sigma_floor;          /* the bound holds for sigma in [sigma_floor, sigma_max]: sigma_min, unless no
-                                    sample is near the mirror direction; then narrower lobes have coefficients y
-                                    beyond any double (c_min / sigma^2 above about 690) and are outside of the model;
-                                    INFINITY when that leaves no lobe at all */
+    double sigma_floor;          /* what is proven is proven for sigma in [sigma_floor, sigma_max], ends included, and
+                                    the exponent from exponent_min to 1 / sigma_floor^2: sigma_min (exponent_max),
+                                    unless no sample is near the mirror direction; then narrower lobes have
+                                    coefficients y beyond any double (c_min / sigma^2 above about 710) and are outside
+                                    of the model. Of several kinds of lobes, the largest. INFINITY when no lobe of some
+                                    kind is left */
     double sigma_tail;           /* roughness below which the data see no change, so that nothing is searched there
                                     (engine moment and socp, and the norms alike); sigma_min when there is no such
                                     tail */
@@ -555,6 +557,7 @@ typedef struct brdffit_texel_results {
     unsigned char *stop;   /* count; brdffit_stop, of texels that are CERTIFIED or OPEN; else >= BRDFFIT_STOP_COUNT */
     size_t *where;         /* count; BAD_VALUE: sample * K + channel; else BRDFFIT_NONE */
     size_t *boxes;         /* count; bounded by the search */
+    double *sigma_floor;   /* count; of what lower_bound is proven for, as in brdffit_result or lower */
 } brdffit_texel_results;
 
 /* Zero: every array NULL. NULL is fine: nothing happens. */

@@ -128,6 +128,7 @@ static void publish(const brdffit_plan *plan, const brdffit_texel_results *to, s
     store(to->e2, texel, 1, &r->e2, fitted);
     store(to->lower_bound, texel, 1, &r->lower_bound, fitted);
     store(to->sum_of_squares, texel, 1, &r->sum_of_squares, fitted);
+    store(to->sigma_floor, texel, 1, &r->sigma_floor, fitted);
     if (to->status) {
         to->status[texel] = (unsigned char)r->status;
     }

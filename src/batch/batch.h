@@ -23,7 +23,7 @@ struct batch_result {
     brdffit_stop stop;
     size_t where, boxes, nodes;
     int general, one_lobe_enough;
-    double e2, lower_bound, sum_of_squares;
+    double e2, lower_bound, sum_of_squares, sigma_floor;
     double sigma[BRDFFIT_MAX_LOBES];
     double *x, *y, *channel_scale; /* K, K x P, K */
 };

@@ -217,9 +217,14 @@ int brdffit_batch_fast_start(struct batch_fast *f, const brdffit_samples *geomet
         return 0;
     }
     theta_high = fmin(theta_high, kernel_log(tail));
+    f->sigma_floor = kind->by_exponent ? 1.0 / sqrt(o->exponent_max) : o->sigma_min;
     if (table->c_min > 0.0) {
-        theta_high = fmin(theta_high,
-                          kernel_log((MOST_EXPONENT + fmax(0.0, kernel_log(table->scale_b))) / table->c_min));
+        double most = (MOST_EXPONENT + fmax(0.0, kernel_log(table->scale_b))) / table->c_min;
+
+        if (kernel_log(most) < theta_high) {
+            theta_high = kernel_log(most);
+            f->sigma_floor = (1.0 + 1e-13) / sqrt(most);
+        }
     }
     if (!(theta_high > theta_low)) {
         return 0;

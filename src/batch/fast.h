@@ -40,6 +40,7 @@ struct batch_fast {
     double root_a;          /* |a|; 0 when no sample has a diffuse part */
     double slack;           /* rounding of the sums, relative to the data's sum of squares */
     double s_low;           /* s at the start of the range */
+    double sigma_floor;     /* what is proven is proven down to this roughness */
     const struct lobe_kind *kind;
     double c_min, scale_a, scale_b, scale_w;
     uint32_t *sample;       /* used: index of the caller's sample, ordered by c */

@@ -17,6 +17,7 @@ static void keep(const brdffit_plan *plan, const brdffit_result *from, struct ba
     to->e2 = from->e2;
     to->lower_bound = from->lower_bound;
     to->sum_of_squares = from->sum_of_squares;
+    to->sigma_floor = from->sigma_floor;
     for (k = 0; k < P; k++) {
         to->sigma[k] = from->model->sigma[k];
     }

@@ -84,6 +84,7 @@ static int judge(const brdffit_plan *plan, const struct batch_outcome *out, doub
     r->e2 = evidence.e2;
     r->lower_bound = verdict.lower_bound;
     r->sum_of_squares = evidence.total;
+    r->sigma_floor = plan->fast.sigma_floor;
     return verdict.certified;
 }
 
@@ -129,6 +130,7 @@ static void keep_nothing(const brdffit_plan *plan, struct batch_result *r)
     r->boxes = r->nodes = 0;
     r->general = r->one_lobe_enough = 0;
     r->e2 = r->lower_bound = r->sum_of_squares = 0.0;
+    r->sigma_floor = plan->fast.sigma_floor;
     r->sigma[0] = sigma_of(plan, plan->fast.s_low);
     for (k = 0; k < plan->fast.channels; k++) {
         r->x[k] = r->y[k] = 0.0;

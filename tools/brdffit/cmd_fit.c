@@ -39,10 +39,10 @@ void brdffit_cli_fit_help(void)
                                  "Options may follow files; -- ends them. British and American spellings of\n"
                                  "normalise and centre are both understood.\n"
                                  "\n"
-                                 "Exit status: 0 every fit is certified; 1 a file cannot be read or written, or\n"
-                                 "memory ran out; 2 wrong usage; 3 a file's data cannot be used; 4 a search\n"
-                                 "stopped before its gap closed. With several files the first of 1, 2, 3, 4\n"
-                                 "that occurred.\n");
+                                 "Exit status: 0 every fit is certified; 1 a file cannot be read or written,\n"
+                                 "memory ran out, or a proof contradicts its fit; 2 wrong usage; 3 a file's\n"
+                                 "data cannot be used; 4 a search stopped before its gap closed. With several\n"
+                                 "files the first of 1, 2, 3, 4 that occurred.\n");
     fputs(brdffit_cli_text_string(&text), stdout);
     brdffit_cli_text_free(&text);
 }
@@ -69,6 +69,10 @@ static int publish(struct run *r, const struct cli_job *job)
     const int fitted = job->status == BRDFFIT_OK && !job->not_begun;
     if (!fitted && !job->not_begun) {
         brdffit_cli_report_error(job->path, &job->error, job->table, job->system_error);
+    }
+    if (fitted && job->result->stop == BRDFFIT_STOP_CONTRADICTION) {
+        fprintf(stderr, "brdffit: %s: the proof contradicts the fit: an error in brdffit, nothing is proven\n",
+                job->path);
     }
     if (r->settings->json) {
         brdffit_cli_json_fit(&text, job, &r->fitter);

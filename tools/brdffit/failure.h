@@ -8,7 +8,7 @@
 
 enum {
     CLI_EXIT_CERTIFIED = 0,
-    CLI_EXIT_FAILURE = 1, /* cannot open, read or write; out of memory */
+    CLI_EXIT_FAILURE = 1, /* cannot open, read or write; out of memory; a contradiction */
     CLI_EXIT_USAGE = 2,
     CLI_EXIT_DATA = 3, /* the file's content cannot be used */
     CLI_EXIT_OPEN = 4  /* stopped before the gap closed */

@@ -244,6 +244,9 @@ int brdffit_cli_job_exit(const struct cli_job *job)
     if (job->status != BRDFFIT_OK) {
         return brdffit_cli_status_exit(job->status);
     }
+    if (job->result->stop == BRDFFIT_STOP_CONTRADICTION) {
+        return CLI_EXIT_FAILURE;
+    }
     const int proven = job->result->certified && (!job->verified || job->verification.proven);
     return proven ? CLI_EXIT_CERTIFIED : CLI_EXIT_OPEN;
 }

@@ -128,6 +128,27 @@ static void parameters(struct cli_json *json, const brdffit_result *result)
     brdffit_cli_json_number(json, "kkt_residual", result->kkt_residual);
 }
 
+/* What lower_bound is about; null when no lobe is left. */
+static void proven_range(struct cli_json *json, const brdffit_result *result, const brdffit_options *options)
+{
+    const int by_exponent = brdffit_cli_by_exponent(result->model->distribution);
+    const double most = by_exponent ? 1 / sqrt(options->exponent_min) : options->sigma_max;
+    const double sigma[2] = {result->sigma_floor, most};
+    double range[2];
+    if (!isfinite(result->sigma_floor)) {
+        brdffit_cli_json_null(json, "proven_sigma");
+        if (by_exponent) {
+            brdffit_cli_json_null(json, "proven_exponent");
+        }
+        return;
+    }
+    (void)brdffit_cli_proven(result, options, range);
+    brdffit_cli_json_numbers(json, "proven_sigma", sigma, 2);
+    if (by_exponent) {
+        brdffit_cli_json_numbers(json, "proven_exponent", range, 2);
+    }
+}
+
 static void exponent_intervals(struct cli_json *json, const brdffit_result *result)
 {
     if (!brdffit_cli_by_exponent(result->model->distribution)) {
@@ -249,6 +270,7 @@ static void result_members(struct cli_json *json, const struct cli_job *job, con
     lobes(json, result);
     brdffit_cli_json_channels(json, job->table);
     brdffit_cli_json_options(json, &fitter->options);
+    proven_range(json, result, &fitter->options);
     brdffit_cli_json_source(json, job, fitter->settings);
     if (job->table->format == BRDFFIT_IO_FORMAT_MERL && fitter->io.directions != NULL) {
         directions(json, fitter->io.directions);
@@ -263,7 +285,11 @@ void brdffit_cli_json_fit(struct cli_text *text, const struct cli_job *job, cons
     brdffit_cli_json_open(&json, NULL, '{');
     brdffit_cli_json_string(&json, "schema", "brdffit.fit/1");
     brdffit_cli_json_path(&json, job->path);
-    brdffit_cli_json_string(&json, "status", !fitted ? "error" : job->result->certified ? "certified" : "gap_open");
+    brdffit_cli_json_string(&json, "status",
+                            !fitted                                           ? "error"
+                            : job->result->stop == BRDFFIT_STOP_CONTRADICTION ? "contradiction"
+                            : job->result->certified                          ? "certified"
+                                                                              : "gap_open");
     if (!fitted) {
         brdffit_cli_json_error(&json, job);
     }

@@ -60,6 +60,10 @@ static int exit_of(struct merger *m, const cJSON *line)
         m->open++;
         return CLI_EXIT_OPEN;
     }
+    if (strcmp(status, "contradiction") == 0) {
+        m->open++;
+        return CLI_EXIT_FAILURE;
+    }
     if (word != NULL && strcmp(word, "interrupted") == 0) {
         m->not_begun++;
         return CLI_EXIT_OPEN;

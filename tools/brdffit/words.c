@@ -80,33 +80,6 @@ void brdffit_cli_directed(struct cli_text *text, double value, int digits, int u
 
 /* ---- Certificate ------------------------------------------------------- */
 
-static const char *distribution_title(brdffit_distribution distribution)
-{
-    switch (distribution) {
-    case BRDFFIT_BECKMANN: return "Beckmann";
-    case BRDFFIT_GGX: return "GGX";
-    case BRDFFIT_TORRANCE_SPARROW: return "Torrance-Sparrow";
-    case BRDFFIT_WARD: return "Ward";
-    case BRDFFIT_BLINN_PHONG: return "Blinn-Phong";
-    case BRDFFIT_ASHIKHMIN_SHIRLEY: return "Ashikhmin-Shirley";
-    case BRDFFIT_LAFORTUNE: return "Lafortune";
-    default: return "unknown";
-    }
-}
-
-/* "Beckmann fit with 2 lobes and σ in [1e-12, 6]", "Blinn-Phong fit with 1 lobe and n in [0.1, 1e+07]" */
-static void add_family(struct cli_text *text, struct cli_style style, const brdffit_result *result,
-                       const brdffit_options *options)
-{
-    const int lobes = result->model->lobes;
-    const brdffit_distribution distribution = result->model->distribution;
-    const int by_exponent = brdffit_cli_by_exponent(distribution);
-    brdffit_cli_text_printf(text, "%s fit with %d %s and %s in\t[%.6g,\t%.6g]", distribution_title(distribution), lobes,
-                            lobes == 1 ? "lobe" : "lobes", brdffit_cli_parameter(style, distribution),
-                            by_exponent ? options->exponent_min : options->sigma_min,
-                            by_exponent ? options->exponent_max : options->sigma_max);
-}
-
 /* Digits that show the two apart, and at least five. */
 static int telling_digits(double low, double high)
 {
@@ -154,7 +127,7 @@ static void proven_relative(struct cli_text *text, struct cli_style style, const
         return;
     }
     brdffit_cli_text_puts(text, "no ");
-    add_family(text, style, result, options);
+    brdffit_cli_family(text, style, result, options);
     brdffit_cli_text_printf(text, " has %s%s below ", article(options->norm),
                             brdffit_cli_objective(style, options->norm));
     brdffit_cli_directed(text, result->lower_bound, digits, 0);
@@ -181,7 +154,7 @@ static void proven_absolute(struct cli_text *text, struct cli_style style, const
     }
     if (share > 0) {
         brdffit_cli_text_puts(text, "; no ");
-        add_family(text, style, result, options);
+        brdffit_cli_family(text, style, result, options);
         brdffit_cli_text_puts(text, " can lower it by more than ");
         brdffit_cli_directed(text, share, 2, 1);
         brdffit_cli_text_puts(text, options->norm == BRDFFIT_NORM_LINF ? " of that" : " of that sum");
@@ -189,25 +162,21 @@ static void proven_absolute(struct cli_text *text, struct cli_style style, const
     brdffit_cli_text_puts(text, ".");
 }
 
-static void add_stop(struct cli_text *text, struct cli_style style, const brdffit_result *result,
-                     const brdffit_options *options)
+static void add_stop(struct cli_text *text, const brdffit_result *result, const brdffit_options *options)
 {
     switch (result->stop) {
     case BRDFFIT_STOP_RESOLUTION:
         brdffit_cli_text_printf(text, "every box left is narrower than --resolution %.6g", options->sigma_resolution);
         return;
     case BRDFFIT_STOP_ROUNDING:
-        brdffit_cli_text_puts(text, "the boxes left cannot be split further in double precision");
+        brdffit_cli_text_puts(text, "what is left of the gap is rounding of double precision");
         return;
     case BRDFFIT_STOP_BUDGET:
         brdffit_cli_text_puts(text, "the box budget of ");
         brdffit_cli_grouped(text, options->box_budget);
         brdffit_cli_text_puts(text, " was used up");
         return;
-    case BRDFFIT_STOP_MEMORY:
-        brdffit_cli_text_printf(text, "its table of %s values was full",
-                                brdffit_cli_parameter(style, result->model->distribution));
-        return;
+    case BRDFFIT_STOP_MEMORY: brdffit_cli_text_puts(text, "its memory was full"); return;
     case BRDFFIT_STOP_CANCELLED: brdffit_cli_text_puts(text, "it was interrupted"); return;
     default: brdffit_cli_text_puts(text, brdffit_stop_string(result->stop)); return;
     }
@@ -219,7 +188,6 @@ static const char *advice(brdffit_stop stop)
     case BRDFFIT_STOP_RESOLUTION: return " Lower --resolution to close the gap.";
     case BRDFFIT_STOP_ROUNDING: return " A larger --gap can be proven.";
     case BRDFFIT_STOP_BUDGET: return " Raise --box-budget to close the gap.";
-    case BRDFFIT_STOP_MEMORY: return " A larger --gap or a narrower range of roughness needs less.";
     default: return "";
     }
 }
@@ -229,9 +197,9 @@ static void not_proven(struct cli_text *text, struct cli_style style, const brdf
 {
     const int digits = telling_digits(result->lower_bound, result->e2);
     brdffit_cli_text_puts(text, "the search stopped because ");
-    add_stop(text, style, result, options);
+    add_stop(text, result, options);
     brdffit_cli_text_printf(text, ". The smallest %s of any ", brdffit_cli_objective(style, options->norm));
-    add_family(text, style, result, options);
+    brdffit_cli_family(text, style, result, options);
     brdffit_cli_text_puts(text, " lies between ");
     brdffit_cli_directed(text, result->lower_bound, digits, 0);
     brdffit_cli_text_puts(text, " and this fit's ");
@@ -241,18 +209,35 @@ static void not_proven(struct cli_text *text, struct cli_style style, const brdf
     brdffit_cli_text_puts(text, advice(result->stop));
 }
 
+static void contradiction(struct cli_text *text, struct cli_style style, const brdffit_result *result,
+                          const brdffit_options *options)
+{
+    brdffit_cli_text_printf(text,
+                            "the bound came out above this fit's own %s, %.6g. Neither can be trusted: this is an"
+                            " error in brdffit. Please report it, with the file and the options.",
+                            brdffit_cli_objective(style, options->norm), result->e2);
+}
+
 void brdffit_cli_certificate(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                              const brdffit_options *options)
 {
     struct cli_text words = {0};
-    if (!result->certified) {
+    if (result->stop == BRDFFIT_STOP_CONTRADICTION) {
+        contradiction(&words, style, result, options);
+    } else if (!result->certified) {
         not_proven(&words, style, result, options);
     } else if (result->stop == BRDFFIT_STOP_ABSOLUTE_GAP) {
         proven_absolute(&words, style, result, options);
     } else {
         proven_relative(&words, style, result, options);
     }
-    if (result->certified) {
+    if (result->stop != BRDFFIT_STOP_CONTRADICTION) {
+        brdffit_cli_cut(&words, style, result, options);
+    }
+    if (result->stop == BRDFFIT_STOP_CONTRADICTION) {
+        brdffit_cli_paragraph(text, style, CLI_RED,
+                              "CONTRADICTION, nothing is proven:", brdffit_cli_text_string(&words));
+    } else if (result->certified) {
         brdffit_cli_paragraph(text, style, CLI_GREEN, "Proven:", brdffit_cli_text_string(&words));
     } else {
         brdffit_cli_paragraph(text, style, CLI_YELLOW, "NOT proven:", brdffit_cli_text_string(&words));

@@ -15,6 +15,18 @@ int brdffit_cli_by_exponent(brdffit_distribution distribution);
 /* The letter of the parameter: "n" or sigma. */
 const char *brdffit_cli_parameter(struct cli_style style, brdffit_distribution distribution);
 
+/* The range of the parameter (sigma, or n) that the bound is proven for. 1 when that is less than was asked for. */
+int brdffit_cli_proven(const brdffit_result *result, const brdffit_options *options, double range[2]);
+
+/* "Beckmann fit with 2 lobes and σ in [1e-12, 6]", "Blinn-Phong fit with 1 lobe and n in [0.1, 1e+07]": that range,
+ * rounded inwards. */
+void brdffit_cli_family(struct cli_text *text, struct cli_style style, const brdffit_result *result,
+                        const brdffit_options *options);
+
+/* A sentence on why the range is not the one that was asked for; nothing when it is. */
+void brdffit_cli_cut(struct cli_text *text, struct cli_style style, const brdffit_result *result,
+                     const brdffit_options *options);
+
 /* "Proven: no Beckmann fit with 2 lobes ..." or "NOT proven: ...". */
 void brdffit_cli_certificate(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                              const brdffit_options *options);

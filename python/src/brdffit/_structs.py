@@ -24,7 +24,8 @@ ENGINE = ("moment", "socp")
 ISA = ("auto", "base", "avx2", "avx512")
 NORMALISE = ("max", "none")
 PHASE = ("reduced", "search")
-STOP = ("relative_gap", "absolute_gap", "resolution", "rounding", "budget", "memory", "cancelled")
+STOP = ("relative_gap", "absolute_gap", "resolution", "rounding", "budget", "memory", "cancelled",
+        "contradiction")
 DROP = ("masked", "absent", "cell_below_horizon")
 FORMAT = ("auto", "csv", "merl")
 MERL_BINS = ("edge", "centre")
@@ -236,6 +237,7 @@ class TexelResults(ctypes.Structure):
         ("stop", c_void_p),
         ("where", c_void_p),
         ("boxes", c_void_p),
+        ("sigma_floor", c_void_p),
     ]
 
 

@@ -31,8 +31,8 @@ _MEMBERS = ("schema", "file", "status", "distribution", "norm", "engine", "lobes
             "kkt_residual", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
             "weight", "effective_samples", "sigma_interval", "exponent_interval", "warnings", "channels", "normalise",
             "sigma_range", "exponent_range", "relative_gap", "absolute_gap", "sigma_resolution", "box_budget",
-            "max_incidence", "format", "quantity", "merl_bins", "merl_samples", "seconds")
-_ONLY_BY_EXPONENT = ("exponent", "exponent_interval", "exponent_range")
+            "max_incidence", "proven_sigma", "proven_exponent", "format", "quantity", "merl_bins", "merl_samples", "seconds")
+_ONLY_BY_EXPONENT = ("exponent", "exponent_interval", "exponent_range")  # proven_exponent: where there is an exponent
 
 
 def _plain(value: Any) -> Any:
@@ -56,7 +56,7 @@ def plain(fit: Fit) -> dict[str, Any]:
     out = {}
     for name in _MEMBERS:
         value = getattr(fit, name)
-        if value is None and name in _ONLY_BY_EXPONENT:
+        if value is None and (name in _ONLY_BY_EXPONENT or (name == "proven_exponent" and fit.exponent is None)):
             continue
         out[name] = _plain(value)
         if name == "file" and value is not None and readable(value) != value:
@@ -86,10 +86,32 @@ def lobes_word(fit: Fit) -> str:
     return "%d lobe%s" % (fit.lobes, "" if fit.lobes == 1 else "s")
 
 
+def is_cut(fit: Fit) -> bool:
+    """Whether less is proven than the range that was asked for."""
+    return fit.proven_sigma is None or fit.proven_sigma[0] > fit.sigma_range[0]
+
+
 def _family(fit: Fit) -> str:
-    low, high = fit.sigma_range if fit.exponent_range is None else fit.exponent_range
-    return "%s fit with %s and %s in [%.6g, %.6g]" % (TITLES[fit.distribution], lobes_word(fit), parameter(fit), low,
-                                                     high)
+    """Which models the bound is about: the range is rounded inwards where it is not what was asked for."""
+    if fit.proven_sigma is None:
+        return "diffuse fit"
+    low, high = fit.proven_sigma if fit.proven_exponent is None else fit.proven_exponent
+    cut = is_cut(fit)
+    least = directed(low, 6, True) if cut and fit.proven_exponent is None else "%.6g" % low
+    most = directed(high, 6, False) if cut and fit.proven_exponent is not None else "%.6g" % high
+    return "%s fit with %s and %s in [%s, %s]" % (TITLES[fit.distribution], lobes_word(fit), parameter(fit), least, most)
+
+
+def _cut(fit: Fit) -> str:
+    """Why the range is not the one that was asked for."""
+    if not is_cut(fit):
+        return ""
+    if fit.proven_sigma is None:
+        return (" No sample is near enough to the mirror direction for any lobe of the range that was asked for: its "
+                "coefficients would be beyond any double.")
+    asked = "down to %.6g" % fit.sigma_range[0] if fit.exponent_range is None else "up to %.6g" % fit.exponent_range[1]
+    return (" Of %s %s, as asked for, nothing is said: no sample sees such lobes, whose coefficients would be beyond any "
+            "double." % (parameter(fit), asked))
 
 
 def _digits(low: float, high: float) -> int:
@@ -107,12 +129,20 @@ def above(fit: Fit) -> str:
 
 
 _STOPS = {"resolution": "every box left is narrower than sigma_resolution",
-          "rounding": "the boxes left cannot be split further in double precision",
-          "budget": "the box budget was used up", "memory": "its table of values was full",
+          "rounding": "what is left of the gap is rounding of double precision",
+          "budget": "the box budget was used up", "memory": "its memory was full",
           "cancelled": "it was interrupted"}
 
 
 def certificate(fit: Fit) -> str:
+    if fit.stop == "contradiction":
+        return ("CONTRADICTION, nothing is proven: the bound came out above this fit's own %s, %.6g. Neither can be "
+                "trusted: this is an error in brdffit. Please report it, with the file and the options." % (
+                    OBJECTIVES[fit.norm], fit.e2))
+    return _proof(fit) + _cut(fit)
+
+
+def _proof(fit: Fit) -> str:
     what = OBJECTIVES[fit.norm]
     a, its = ("", "") if fit.norm == "l2" else ("a ", "its ")
     n = _digits(fit.lower_bound, fit.e2)

@@ -4,6 +4,7 @@ from __future__ import annotations
 import ctypes
 import dataclasses
 import json
+import math
 import os
 import time
 from collections.abc import Callable, Mapping
@@ -35,11 +36,14 @@ class Fit(Frozen):
     """A fitted model and its certificate. Attribute names are those of `brdffit fit --json`.
 
     status: "certified", or "gap_open" when the search stopped before its gap closed (the fit and its bound are valid
-        all the same); stop: why it stopped
+        all the same), or "contradiction" (an error of the library: nothing is proven); stop: why it stopped
     sigma: P roughnesses, ascending; exponent: P exponents n where the distribution is known by them, else None
     x: K diffuse coefficients; y: K x P specular ones, in the data's units (the paper's scaling, see brdffit.h)
     e2, objective: what the norm minimises, in units of channel_scale (K divisors)
-    lower_bound: proven: no model of this form with sigma in sigma_range has less; gap: e2 - lower_bound
+    e2_error: how far e2 may be from that of this model on the samples, by rounding and by what sums do not know
+    lower_bound: proven: no model of this form with sigma in proven_sigma has less; gap: e2 - lower_bound
+    proven_sigma: that range, ends included: sigma_range, or less where narrower lobes have coefficients beyond any
+        double; None when no lobe is left. proven_exponent: the same in terms of n, where the distribution is known by it
     rms: K root mean square radiance residuals, the data's units; rms_total: of all, in units of channel_scale
     weight: share of each lobe; effective_samples: how many samples it rests on
     sigma_interval: P x 2, where E^2 is the optimum's to rounding; warnings: per lobe, of "unresolved", "flat",
@@ -96,6 +100,8 @@ class Fit(Frozen):
     file: str | None = None
     schema: str = SCHEMA
     e2_error: float = 0.0
+    proven_sigma: tuple[float, float] | None = None
+    proven_exponent: tuple[float, float] | None = None
     _merl_directions: Floats | None = None
 
     @property
@@ -188,10 +194,12 @@ class Fit(Frozen):
         names = {field.name for field in dataclasses.fields(cls)}
         members: dict[str, Any] = {name: given.get(name) for name in names}
         members["e2_error"] = given.get("e2_error", 0.0)
+        for proven, asked in (("proven_sigma", "sigma_range"), ("proven_exponent", "exponent_range")):
+            members[proven] = given.get(proven, given.get(asked))
         for name in _ARRAY_FIELDS:
             if members[name] is not None:
                 members[name] = freeze(floats(name, members[name]))
-        for name in ("channels", "sigma_range", "exponent_range"):
+        for name in ("channels", "sigma_range", "exponent_range", "proven_sigma", "proven_exponent"):
             if members[name] is not None:
                 members[name] = tuple(members[name])
         missing = sorted(n for n in ("sigma", "x", "y", "channels", "distribution") if members[n] is None)
@@ -304,9 +312,27 @@ _FIGURES = ("e2", "e2_error", "lower_bound", "gap", "rms_total", "sum_of_squares
             "nodes", "distinct_c")
 
 
+_CONTRADICTION = structs.STOP.index("contradiction")
+
+
 def _warned(r: structs.Result, lobes: int) -> tuple[tuple[str, ...], ...]:
     bits = [r.lobe[p].contents.warnings for p in range(lobes)]
     return tuple(tuple(word for bit, word in enumerate(structs.WARNINGS) if b >> bit & 1) if b else () for b in bits)
+
+
+def _status(r: structs.Result) -> str:
+    return "certified" if r.certified else "contradiction" if r.stop == _CONTRADICTION else "gap_open"
+
+
+def _proven(floor: float, options: Options) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
+    """What the bound is about, in sigma and (or None) in the exponent."""
+    if not math.isfinite(floor):
+        return None, None
+    if options.distribution not in BY_EXPONENT:
+        return (floor, options.sigma_searched[1]), None
+    low, high = options.exponent_range
+    cut = floor > 1 / math.sqrt(high)
+    return (floor, options.sigma_searched[1]), (low, (1 - 1e-15) / (floor * floor) if cut else high)
 
 
 def convert(r: structs.Result, samples: Samples, options: Options, proof: Mapping[str, Any] | None,
@@ -320,10 +346,11 @@ def convert(r: structs.Result, samples: Samples, options: Options, proof: Mappin
     table = np.frombuffer(b"".join(ctypes.string_at(r.lobe[p], _LOBE_BYTES) for p in range(lobes)),
                           np.float64).reshape(lobes, -1)
     n = _LOBE["exponent"]
+    proven = _proven(r.sigma_floor, options)
     fit = object.__new__(Fit)
     # What Fit() does, one member after the other and slower than a small fit. A test holds the two against each other.
     fit.__dict__.update(
-        status="certified" if r.certified else "gap_open", distribution=options.distribution, norm=options.norm,
+        status=_status(r), proven_sigma=proven[0], proven_exponent=proven[1], distribution=options.distribution, norm=options.norm,
         engine=options.engine if options.norm == "l2" else None, lobes=lobes,
         sigma=_copy(model.sigma, lobes), exponent=table[:, n] if by_exponent else None,
         x=_copy(model.x, channels), y=_copy(model.y, channels * lobes).reshape(channels, lobes),

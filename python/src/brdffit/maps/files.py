@@ -212,7 +212,7 @@ def _members(arrays: dict[str, npt.NDArray[Any]], about: dict[str, Any], path: p
     kept = {name: arrays[name] for name in _REQUIRED}
     kept.update(channel_scale=np.full((*spatial, channels), np.nan), sum_of_squares=nothing,
                 stop=np.full(spatial, NO_STOP, np.uint8), where=np.full(spatial, -1, np.intp),
-                boxes=np.zeros(spatial, np.intp))
+                boxes=np.zeros(spatial, np.intp), sigma_floor=nothing)
     options = _options(about, lobes, path)
     return {**{name: freeze(array) for name, array in kept.items()}, "samples": int(about["samples"]),
             "samples_skipped": {}, "quantity": str(about["quantity"]), "options": options,

@@ -28,9 +28,11 @@ class FitMap(Frozen):
         valid), 2 "no_signal" (all values 0: so is the model, proven), 3 "masked", 4 "bad_value" (NaN or infinite),
         5 "refused" (a fit of it alone would fail), 6 "no_samples" (its own directions leave none), 7 "not_reached"
         (the run was stopped)
-    stop: S, bytes that index `FitMap.STOP`: why the search of a certified or open texel ended; 7 "none" for others
+    stop: S, bytes that index `FitMap.STOP`: why the search of a certified or open texel ended; 8 "none" for others
     where: S, of a bad value: sample * K + channel; else -1
     boxes: S, how many the search bounded
+    sigma_floor: S: what is proven is proven for sigma from here to the largest of the range: the smallest of the range,
+        or more where narrower lobes have coefficients beyond any double (infinite: no lobe is left)
     samples: of each texel; samples_skipped: by reason, of each texel; summed over texels with directions of their own
     quantity, options: what was asked for
     stats: how many texels have each status, and what was done or saved: equal (to the texel before), general, boxes ...
@@ -49,6 +51,7 @@ class FitMap(Frozen):
     stop: npt.NDArray[np.uint8]
     where: npt.NDArray[np.intp]
     boxes: npt.NDArray[np.intp]
+    sigma_floor: Floats
     samples: int
     samples_skipped: Mapping[str, int]
     quantity: str
@@ -125,7 +128,7 @@ class FitMap(Frozen):
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> FitMap:
         """Of a folder of .npy that `save` or `brdffit map` wrote, or an .npz that `save` wrote. What these do not keep
-        is NaN (channel_scale, sum_of_squares), -1 (where), 0 (boxes), "none" (stop), or the default (options engine,
+        is NaN (channel_scale, sum_of_squares, sigma_floor), -1 (where), 0 (boxes), "none" (stop), or the default (options engine,
         socp_every_box and isa)."""
         return cls(**files.load(path))
 

@@ -29,7 +29,7 @@ def allocate(count: int, channels: int, lobes: int) -> Arrays:
             "y": np.empty((count, channels, lobes)), "channel_scale": np.empty((count, channels)),
             "e2": np.empty(count), "lower_bound": np.empty(count), "sum_of_squares": np.empty(count),
             "status": np.empty(count, np.uint8), "stop": np.empty(count, np.uint8),
-            "where": np.empty(count, np.intp), "boxes": np.empty(count, np.intp)}
+            "where": np.empty(count, np.intp), "boxes": np.empty(count, np.intp), "sigma_floor": np.empty(count)}
 
 
 def blank(results: Arrays, part: slice, status: int) -> None:

@@ -43,7 +43,8 @@ def _at(structure: type[ctypes.Structure], name: str) -> int:
 _SIGMA, _X, _Y = (_at(structs.Model, name) for name in ("sigma", "x", "y"))
 _MODEL, _SCALE, _BOXES, _NODES, _SKIPPED = (_at(structs.Result, name) for name in (
     "model", "channel_scale", "boxes", "nodes", "samples_skipped"))
-_NUMBERS = tuple((name, _at(structs.Result, name)) for name in ("e2", "lower_bound", "sum_of_squares"))
+_NUMBERS = tuple((name, _at(structs.Result, name)) for name in ("e2", "lower_bound", "sum_of_squares",
+                                                                     "sigma_floor"))
 _SQUARES = _NUMBERS[2][1]
 
 # As structs.ProgressFunction, without an object for what is not looked at.

@@ -288,7 +288,7 @@ def near_optimal(samples: Samples, options: Options, fit: Fit, boxes: Boxes, lea
     if fit.norm == "l2" and fit.e2 > 0 and len(samples) <= LARGE:
         # The search halved no box that was already worse than the fit, even if by less than the share. Searches of a part
         # of the range say more: if all lobes are below some sigma, so is the wider one; if above, the sharper one.
-        least, most = fit.sigma_range
+        least, most = fit.proven_sigma or fit.sigma_range
         first, last = out[0], out[-1]
         out[-1] = (_shrink(samples, options, level, last[0], float(fit.sigma[-1]), lambda x: (least, x)), last[1])
         out[0] = (out[0][0], _shrink(samples, options, level, first[1], float(fit.sigma[0]), lambda x: (x, most)))

@@ -31,7 +31,7 @@ def _title(fit: Fit) -> str:
 
 def interval(fit: Fit, low: float, high: float) -> str:
     """Of sigma; rounded outwards, so that what is said stays true. Ends of the range searched say nothing."""
-    name, (least, most) = _words.parameter(fit), fit.sigma_range
+    name, (least, most) = _words.parameter(fit), fit.proven_sigma or fit.sigma_range
     below, above = low > least * (1 + 1e-9), high < most * (1 - 1e-9)
     if fit.exponent is not None:
         low, high, below, above = high**-2, low**-2, above, below
@@ -52,7 +52,9 @@ def near_optimal_words(material: Material, lobes: int) -> str:
         return "Of the roughness of models whose %s is within %.3g %% of the optimum, the search proved nothing." % (
             what, 100 * share)
     which = found if lobes == 1 else ["%s in its %s lobe" % (w, side) for w, side in zip(found, ("sharper", "wider"))]
-    return "Proven: a model whose %s is within %.3g %% of the optimum has %s." % (what, 100 * share, " and ".join(which))
+    among = "a model" if not _words.is_cut(fit) else "among the models that the proof is about, one"
+    return "Proven: %s whose %s is within %.3g %% of the optimum has %s." % (
+        among, what, 100 * share, " and ".join(which))
 
 
 _SHORT = {"unresolved": "lobe %d not resolved", "flat": "lobe %d: roughness not determined", "unused": "lobe %d unused",
