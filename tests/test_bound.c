@@ -34,7 +34,7 @@ static double largest_epsilon(const struct fit *f)
     uint32_t i;
 
     for (i = 0; i < f->axis[0].nodes; i++) {
-        if (f->moment.moments.kind[0].ready[i]) {
+        if (i < f->moment.moments.kind[0].ready.known && f->moment.moments.kind[0].ready.on[i]) {
             largest = fmax(largest, f->moment.moments.kind[0].node[i].epsilon);
         }
     }

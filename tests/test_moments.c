@@ -19,7 +19,7 @@ static double draw_theta(const struct moments_case *m, struct brdffit_test_rando
 
 static const struct node *node_at(struct moments_case *m, uint32_t index, double theta)
 {
-    m->fit.moment.moments.kind[0].ready[index] = 0;
+    marks_clear(&m->fit.moment.moments.kind[0].ready, index);
     return brdffit_moments_node(&m->fit.moment.moments, 0, index, theta);
 }
 

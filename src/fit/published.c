@@ -14,7 +14,8 @@
  *     d = u [TOL_PUBLISHED (|I| + a x + sum y |g|) + TOL_PUBLISHED_EXPONENT sum (c' s) y |g|] + snapped sum (c' s) y |g|
  *
  * and by what triangles did to it, so that a channel's |r| is off by at most |d| in the same norm (Minkowski), and
- * E^2 = sum |r|^2 by at most sum 2 |r| |d| + |d|^2. Sums are compensated; their own rounding is within TOL_PUBLISHED.
+ * E^2 = sum |r|^2 by at most sum 2 |r| |d| + |d|^2. Sums of norms l1 and linf are compensated, their own rounding is within
+ * TOL_PUBLISHED; of l2, d is taken by norms.
  */
 #include "fit/published.h"
 
@@ -22,6 +23,7 @@
 #include <math.h>
 
 #include "base/tolerance.h"
+#include "base/vector.h"
 #include "data/reduce_parts.h"
 #include "data/sums.h"
 
@@ -29,6 +31,7 @@
 struct scales {
     struct twofold s[BRDFFIT_MAX_LOBES];
     struct wide factor[BRDFFIT_MAX_LOBES];
+    double norm[BRDFFIT_MAX_LOBES], error[BRDFFIT_MAX_LOBES]; /* of columns, norm l2 only */
 };
 
 static void open_scales(const struct fit *f, const double *sigma, struct scales *v)
@@ -82,23 +85,6 @@ static void coefficients(struct fit *f, const struct scales *v)
     }
 }
 
-/* Columns b phi of each lobe, into varpro's. */
-static void columns(struct fit *f, const struct scales *v)
-{
-    size_t r;
-    int p;
-
-    for (p = 0; p < f->model.lobes; p++) {
-        const struct lobe_kind *kind = model_kind(&f->model, p);
-        const struct table *t = varpro_table(&f->varpro, p);
-
-        kind->shape(f->varpro.kernels, t->c, f->data.stride, kind->argument(t->c_min, v->s[p].high), f->varpro.phi);
-        for (r = 0; r < f->data.rows; r++) {
-            f->varpro.column[p][r] = t->row_b[r] * f->varpro.phi[f->data.row_c[r]];
-        }
-    }
-}
-
 /* Sums over the rows of one channel, of data divided by its data_scale. */
 struct channel_sums {
     struct sums_pair objective, error, squares;
@@ -107,13 +93,8 @@ struct channel_sums {
 
 static void add_row(const struct fit *f, size_t r, double residual, double rounding, struct channel_sums *sums)
 {
-    if (f->norm == BRDFFIT_NORM_L2) {
-        sums_add(&sums->objective, residual * residual);
-        sums_add(&sums->error, rounding * rounding);
-    } else {
-        sums_add(&sums->objective, fabs(residual));
-        sums_add(&sums->error, rounding);
-    }
+    sums_add(&sums->objective, fabs(residual));
+    sums_add(&sums->error, rounding);
     sums_add(&sums->squares, residual * f->data.row_square[r] * residual);
     sums->largest = fmax(sums->largest, fabs(residual));
     sums->largest_error = fmax(sums->largest_error, rounding);
@@ -130,7 +111,7 @@ static double shape_error(const struct fit *f, const struct scales *v, int p, si
     return (TOL_PUBLISHED_EXPONENT * TOL_UNIT + t->snapped) * exponent;
 }
 
-/* Residuals of channel k at internal coefficients x and y, in units of `scale`. */
+/* Residuals of channel k at internal coefficients x and y, in units of `scale`: norms l1 and linf. */
 static struct channel_sums residuals(const struct fit *f, const struct scales *v, size_t k, double x, const double *y,
                                      double scale)
 {
@@ -151,6 +132,82 @@ static struct channel_sums residuals(const struct fit *f, const struct scales *v
         }
         add_row(f, r, residual / scale, (TOL_PUBLISHED * TOL_UNIT * size + steep) / scale, &sums);
     }
+    return sums;
+}
+
+/*
+ * What sums over the groups say of the column of lobe p: its norm and how far it may be off by its exponents, both l2, and
+ * N_eff = (sum g^2)^2 / sum g^4 over samples.
+ */
+static double measure_column(const struct fit *f, struct scales *v, int p)
+{
+    const struct table *t = varpro_table(&f->varpro, p);
+    int exponential = model_kind(&f->model, p)->exponential;
+    double h = 0.0, off = 0.0, fourth = 0.0, s = v->s[p].high;
+    size_t j;
+
+    for (j = 0; j < f->data.distinct; j++) {
+        double square = t->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]);
+        /* -d ln phi / d ln s, of which no other kind has more than 2 */
+        double exponent = exponential ? smaller(1e30, t->c[j] * s) : smaller(2.0, 2.0 * t->c[j] * s);
+
+        h += square;
+        off += square * (exponent * exponent);
+    }
+    for (j = 0; j < f->data.distinct && h > 0.0; j++) {
+        double share = t->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]) / h;
+
+        fourth += share * share * t->concentration[j];
+    }
+    v->norm[p] = sqrt(h) * (1.0 + TOL_CURVATURE);
+    v->error[p] = (TOL_PUBLISHED_EXPONENT * TOL_UNIT + t->snapped) * sqrt(off) * (1.0 + TOL_CURVATURE);
+    return fourth > 0.0 ? 1.0 / fourth : 0.0;
+}
+
+/* Columns b phi of each lobe, into varpro's. */
+static void columns(struct fit *f, struct scales *v, struct published *out)
+{
+    size_t r;
+    int p;
+
+    for (p = 0; p < f->model.lobes; p++) {
+        const struct lobe_kind *kind = model_kind(&f->model, p);
+        const struct table *t = varpro_table(&f->varpro, p);
+
+        kind->shape(f->varpro.kernels, t->c, f->data.stride, kind->argument(t->c_min, v->s[p].high), f->varpro.phi);
+        for (r = 0; r < f->data.rows; r++) {
+            f->varpro.column[p][r] = t->row_b[r] * f->varpro.phi[f->data.row_c[r]];
+        }
+        out->effective[p] = measure_column(f, v, p);
+    }
+}
+
+/*
+ * The same of norm l2 in lanes, with the error of a whole channel from norms: |d| <= the sum of the norms of its parts.
+ * Sums of squares in lanes are within (rows / 8 + 16) u.
+ */
+static struct channel_sums residuals_l2(const struct fit *f, const struct scales *v, size_t k, double x,
+                                        const double *y, double scale)
+{
+    const struct varpro *w = &f->varpro;
+    const struct kernels *kernels = w->kernels;
+    size_t n = f->data.rows;
+    double size = sqrt(f->data.ii[k]) + fabs(x) * sqrt(f->data.aa), steep = 0.0, sum, error;
+    struct channel_sums sums = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, 0.0, 0.0};
+    int p;
+
+    kernels->scale(w->residual, f->data.row_value + k * f->data.used, 1.0 / scale, n);
+    kernels->subtract(w->residual, f->data.row_a, x, 1.0 / scale, n);
+    for (p = 0; p < f->model.lobes; p++) {
+        kernels->subtract(w->residual, w->column[p], y[p], 1.0 / scale, n);
+        size += y[p] * v->norm[p];
+        steep += y[p] > 0.0 ? y[p] * v->error[p] : 0.0;
+    }
+    sum = kernels->dot(w->residual, w->residual, n);
+    error = (TOL_PUBLISHED * TOL_UNIT * size + steep) / scale * (1.0 + TOL_CURVATURE) +
+            ((double)(n / LANES) + 16.0) * TOL_UNIT * sqrt(sum);
+    sums.objective.high = sums.squares.high = sum;
+    sums.error.high = error * error;
     return sums;
 }
 
@@ -192,13 +249,13 @@ double brdffit_fit_triangle_error(const struct reduced *r)
 
 struct published brdffit_fit_publish(struct fit *f, const double *sigma)
 {
-    struct published out = {0.0, 0.0, 0.0};
+    struct published out = {.objective = 0.0};
     size_t k, lobes = (size_t)f->model.lobes, p;
     struct scales v;
 
     open_scales(f, sigma, &v);
     coefficients(f, &v);
-    columns(f, &v);
+    columns(f, &v, &out);
     for (k = 0; k < f->data.channels; k++) {
         double scale = f->varpro.answer[k].data_scale, y[BRDFFIT_MAX_LOBES];
         double x = in_internal_units(f, f->x[k], k, wide_of(f->data.scale_a));
@@ -207,7 +264,7 @@ struct published brdffit_fit_publish(struct fit *f, const double *sigma)
         for (p = 0; p < lobes; p++) {
             y[p] = in_internal_units(f, f->y[k * lobes + p], k, v.factor[p]);
         }
-        sums = residuals(f, &v, k, x, y, scale);
+        sums = f->norm == BRDFFIT_NORM_L2 ? residuals_l2(f, &v, k, x, y, scale) : residuals(f, &v, k, x, y, scale);
         add_channel(f, &sums, scale, f->triangle_error * sqrt(f->data.ii[k]), &out);
         f->rms[k] = scale * sqrt(sums_value(&sums.squares) / f->data.weight_sum) * f->data.value_scale *
                     f->data.channel_scale[k];

@@ -12,6 +12,7 @@ struct published {
     double objective; /* in the fit's norm */
     double error;     /* how far that is from the samples' own, at these very coefficients and roughnesses */
     double squares;   /* weighted sum of squared residuals, whatever the norm */
+    double effective[BRDFFIT_MAX_LOBES]; /* samples that each lobe rests on: (sum g^2)^2 / sum g^4 */
 };
 
 /* After an evaluation at the optimum: fit->x, y and rms, given each lobe's sigma as published. */

@@ -167,27 +167,6 @@ static void describe_lobe(struct fit *f, const struct point *at, int p, int flat
     publish_roughness(f, f->model.lobe[p].kind, at->theta[p], high, o, lobe);
 }
 
-/* N_eff = (sum g^2)^2 / sum g^4 over samples. */
-static double effective_samples(struct fit *f, int p, double theta)
-{
-    const struct lobe_kind *kind = model_kind(&f->model, p);
-    const struct table *t = varpro_table(&f->varpro, p);
-    double u[3], h = 0.0, sum = 0.0, *phi = f->varpro.phi;
-    size_t j;
-
-    kind->variable(t->c_min, theta, u);
-    kind->shape(f->varpro.kernels, t->c, f->data.stride, u[0], phi);
-    for (j = 0; j < f->data.distinct; j++) {
-        h += t->bb[j] * (phi[j] * phi[j]);
-    }
-    for (j = 0; j < f->data.distinct && h > 0.0; j++) {
-        double share = t->bb[j] * (phi[j] * phi[j]) / h;
-
-        sum += share * share * t->concentration[j];
-    }
-    return sum > 0.0 ? 1.0 / sum : 0.0;
-}
-
 static void lobe_shares(const struct fit *f, brdffit_lobe *lobe)
 {
     double sum[BRDFFIT_MAX_LOBES] = {0.0}, all = 0.0, largest = 0.0;
@@ -389,7 +368,6 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     flat = move_to_largest(f, &at, &level, curved);
     for (p = 0; p < o->lobes; p++) {
         describe_lobe(f, &at, p, (flat >> p) & 1, &level, o, &h->lobe[p]);
-        h->lobe[p].effective_samples = effective_samples(f, p, at.theta[p]);
     }
     swapped = order_lobes(&f->model, &at, h->lobe);
     if (curved != all || swapped) {
@@ -399,6 +377,9 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
         sigma[p] = h->lobe[p].sigma;
     }
     published = brdffit_fit_publish(f, sigma);
+    for (p = 0; p < o->lobes; p++) {
+        h->lobe[p].effective_samples = published.effective[p];
+    }
     lobe_shares(f, h->lobe);
     count_work(f, found, o, &h->result);
     certificate(f, found, &published, objective_scale, o, &h->result);
