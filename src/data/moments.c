@@ -261,7 +261,7 @@ void brdffit_moments_forget(struct moments *m, int kind, uint32_t index)
 {
     size_t i;
 
-    m->kind[kind].ready[index] = 0;
+    marks_clear(&m->kind[kind].ready, index);
     for (i = 0; m->cache && i < PAIR_CACHE; i++) {
         if (m->cache[i].first == index || m->cache[i].second == index) {
             m->cache[i].kinds = UINT32_MAX;

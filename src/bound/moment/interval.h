@@ -52,7 +52,7 @@ static inline struct interval *brdffit_interval(struct intervals *t, uint32_t in
 /* Have interval `index` computed anew: its ends are others now. */
 static inline void brdffit_interval_forget(struct intervals *t, uint32_t index)
 {
-    t->ready[index] = 0;
+    marks_clear(&t->ready, index);
 }
 
 /* Tighten kappa_shift and every tau_shift by the two halves of the interval, which share the node in between. */
