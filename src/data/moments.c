@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/tolerance.h"
+#include "data/slack.h"
 
 /* Doubles for lobe shapes: all of them where that is reasonable, else those of the first nodes. */
 static size_t shape_doubles(size_t stride, uint32_t capacity)
@@ -60,7 +61,8 @@ void brdffit_moments_start(struct moments *m, const struct reduced *data, const 
     m->kernels = kernels;
     m->evaluated = 0;
     m->epsilon = TOL_UNIT * (2.0 * (TOL_MOMENT_BASE + (double)data->stride / LANES));
-    m->slack = (TOL_GAIN * (model->columns > 3 ? TOL_GAIN_COLUMNS : 1.0) * TOL_UNIT + m->epsilon) * data->total;
+    m->slack = TOL_GAIN * (model->columns > 3 ? TOL_GAIN_COLUMNS : 1.0) * TOL_UNIT + m->epsilon;
+    m->slack = (m->slack + slack_of_channels(data->channels)) * data->total;
     for (k = 0; k < data->bounded; k++) {
         double factor = data->bound_root[k], along = data->ai[data->bound_channel[k]];
 

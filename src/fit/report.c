@@ -10,6 +10,7 @@
 #include "base/exp.h"
 #include "base/intake.h"
 #include "base/tolerance.h"
+#include "data/slack.h"
 
 static double clamp(double value, double low, double high)
 {
@@ -225,13 +226,14 @@ void brdffit_fit_judge(const brdffit_options *o, brdffit_result *result)
     result->gap = verdict.gap;
 }
 
-/* The numbers of the proof, in the caller's units, and what follows from them. */
+/* The numbers of the proof, in the caller's units, and what follows from them. Bounds of other engines than moment, whose slack
+ * knows of it, are sums over channels too. */
 static void certificate(const struct fit *f, const struct search_result *found, const struct published *published,
                         double scale, const brdffit_options *o, brdffit_result *result)
 {
     result->e2 = published->objective * scale;
     result->e2_error = published->error * scale;
-    result->lower_bound = found->lower_bound * scale;
+    result->lower_bound = found->lower_bound * (1.0 - slack_of_channels(f->data.channels)) * scale;
     result->sum_of_squares = f->data.total * scale;
     result->stop = found->stop;
     result->rms_total = sqrt(published->squares / ((double)f->data.channels * f->data.weight_sum)) *
