@@ -42,6 +42,8 @@
  * What is proven beyond does no harm.
  */
 #define MOST_EXPONENT 1000.0
+/* Largest relative error of a lobe by its geometry: the bound is lowered by twice that times |I| E, whatever the window. */
+#define MOST_DOUBT 1e-8
 
 int brdffit_batch_fast_possible(const brdffit_options *o)
 {
@@ -103,7 +105,7 @@ void brdffit_batch_fast_scratch(struct reduced *r, double **values, struct arena
 /* What turns a value of sample i, which counts, into radiance. */
 static double radiance_of(const brdffit_samples *geometry, brdffit_distribution distribution, size_t i)
 {
-    struct geometry g = {0.0, 0.0, 0.0, 1.0};
+    struct geometry g = {.cos_light = 1.0};
     brdffit_status status;
 
     if (geometry->quantity == BRDFFIT_QUANTITY_RADIANCE) {
@@ -151,6 +153,27 @@ static void keep_samples(struct batch_fast *f, const struct reduced *r, const br
     }
 }
 
+/*
+ * What the geometry's rounding costs: one number for the whole range. 0 when that is too much, or a sample hides a lobe:
+ * then each texel takes the general path, which knows better.
+ */
+static int charge_domain(struct batch_fast *f, struct reduced *r, const struct lobe_kind *kind, const double theta[3],
+                         const brdffit_options *o)
+{
+    const struct charge *c = &r->charge;
+    size_t j;
+
+    for (j = 0; j < r->used; j++) {
+        if (!(r->sample_b[j] > 0.0) && c->b[j] > 0.0) {
+            return 0;
+        }
+    }
+    brdffit_charge_domain(r, kind, brdffit_kernels(o->isa), theta, MOST_DOUBT, r->charge.light);
+    f->doubt = c->diffuse + c->body;
+    f->doubt_tail = c->diffuse + c->tail;
+    return c->step == 0.0 && f->doubt <= MOST_DOUBT;
+}
+
 /* Nodes and windows over [theta_low, theta_high]; 0 when D is lost in rounding somewhere. */
 static int fill_tables(struct batch_fast *f, double theta_low, double theta_high, double snapped)
 {
@@ -189,7 +212,7 @@ int brdffit_batch_fast_start(struct batch_fast *f, const brdffit_samples *geomet
 {
     const struct lobe_kind *kind = brdffit_lobe_kind_of(o->distribution);
     brdffit_samples samples = *geometry;
-    double theta_low, theta_high, tail;
+    double theta_low, theta_high, theta_end, tail;
     size_t i;
 
     for (i = 0; i < geometry->count; i++) {
@@ -207,6 +230,7 @@ int brdffit_batch_fast_start(struct batch_fast *f, const brdffit_samples *geomet
     if (!(tail > 0.0 && isfinite(tail))) {
         return 0;
     }
+    theta_end = theta_high;
     theta_high = fmin(theta_high, kernel_log(tail));
     if (r->c_min > 0.0) {
         theta_high = fmin(theta_high, kernel_log((MOST_EXPONENT + fmax(0.0, kernel_log(r->scale_b))) / r->c_min));
@@ -215,6 +239,9 @@ int brdffit_batch_fast_start(struct batch_fast *f, const brdffit_samples *geomet
         return 0;
     }
     f->kind = kind;
+    if (!charge_domain(f, r, kind, (const double[3]){theta_low, theta_high, theta_end}, o)) {
+        return 0;
+    }
     f->nodes = PADDED((size_t)fmin(ceil((theta_high - theta_low) / WINDOW), (double)(MOST_NODES - 1)) + 1);
     f->windows = f->nodes - 1; /* nodes come in blocks: use them all */
     keep_samples(f, r, geometry, o->distribution);

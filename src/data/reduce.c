@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "model/geometry.h"
+#include "model/lobe.h"
 #include "data/reduce_parts.h"
 #include "base/tolerance.h"
 #include "base/vector.h"
@@ -44,6 +45,7 @@ void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t 
     reduced->order = brdffit_arena_take(arena, count, sizeof(uint32_t));
     reduced->merge = brdffit_arena_take(arena, count, sizeof(uint32_t));
     reduced->block = ARENA_DOUBLES(arena, width * (width + REDUCE_BLOCK));
+    brdffit_charge_layout(&reduced->charge, arena, stride); /* charge */
 }
 
 /* Values of one sample that counts: all finite; keep each channel's largest radiance, and in ii its magnitude. */
@@ -81,7 +83,7 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
         r->ii[k] = 0.0;
     }
     for (i = 0; i < s->count; i++) {
-        struct geometry g = {0.0, 0.0, 0.0, 0.0};
+        struct geometry g = {0};
         brdffit_status status;
         brdffit_skip skip = brdffit_geometry_sample(s, options->distribution, min_cosine, i, &g, &status, error);
 
@@ -103,6 +105,7 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
         r->sample_a[r->used] = g.a;
         r->sample_b[r->used] = g.b;
         r->sample_c[r->used] = g.c;
+        brdffit_charge_sample(&r->charge, r->used, &g); /* charge */
         r->sample_factor[r->used] = g.cos_light;
         r->used++;
     }
@@ -173,6 +176,7 @@ static brdffit_status choose_scales(struct reduced *r, const brdffit_samples *s,
         r->sample_factor[j] *= root;
         if (b == 0.0) {
             r->sample_c[j] = INFINITY; /* no lobe here, so c means nothing: sort it last */
+            r->charge.b[j] *= root / r->scale_b; /* charge: what it hides */
         }
     }
     return BRDFFIT_OK;
@@ -220,27 +224,56 @@ void brdffit_reduce_sort(struct reduced *r)
     }
 }
 
+/* How far a half-vector angle may be from that of c and still be the same. */
+static double snap_reach(double c)
+{
+    return (2.0 * sqrt(c) * (1.0 + c) + TOL_ANGLE) * TOL_ANGLE;
+}
+
+/*
+ * Largest change of c that joins c_min. The search looks at s up to TAIL_EXPONENT or so over the next c - c_min, where a
+ * change of TOL_JOIN / s is nothing: that next c is the first one beyond reach.
+ */
+static double join_reach(const struct reduced *r, double s_end)
+{
+    double low = r->sample_c[r->order[0]], reach = snap_reach(low);
+    size_t i = 1;
+
+    while (i < r->used && r->sample_c[r->order[i]] - low <= reach) {
+        i++;
+    }
+    if (i < r->used && isfinite(r->sample_c[r->order[i]])) {
+        s_end = smaller(s_end, 2.0 * TAIL_EXPONENT / (r->sample_c[r->order[i]] - low));
+    }
+    return smaller(reach, TOL_JOIN / s_end);
+}
+
 /*
  * Half-vector angles within TOL_ANGLE are one angle: mirror images of a direction differ in the last bits, and their
- * sums merge once they have one c. The change relative to c - c_min is kept, for the moments to allow for; samples
- * that join c_min itself have it by definition.
+ * sums merge once they have one c; not where lobes of s <= s_end could tell them apart. The change is one more error of
+ * that sample's c (charge.h), and relative to c - c_min it is kept for the moments.
  */
-void brdffit_reduce_snap(struct reduced *r)
+void brdffit_reduce_snap(struct reduced *r, double s_end)
 {
-    double low = r->sample_c[r->order[0]], first = low;
+    double low = r->sample_c[r->order[0]], first = low, join = join_reach(r, s_end);
     size_t i;
 
     for (i = 1; i < r->used; i++) {
         double *c = &r->sample_c[r->order[i]], change = *c - first;
-        double reach = (2.0 * sqrt(first) * (1.0 + first) + TOL_ANGLE) * TOL_ANGLE;
 
-        if (!(change <= reach && (first == low || change <= TOL_SNAP * (first - low)))) {
+        if (!(first == low ? change <= join : change <= snap_reach(first) && change <= TOL_SNAP * (first - low))) {
             first = *c;
-        } else {
+        } else if (change > 0.0) {
             r->snapped = first == low ? r->snapped : larger(r->snapped, change / (first - low));
+            r->charge.c[r->order[i]] += change; /* charge */
             *c = first;
         }
     }
+}
+
+double brdffit_reduce_end(const brdffit_options *o)
+{
+    return brdffit_lobe_kind_of(o->distribution)->by_exponent ? o->exponent_max : 1.0 / (o->sigma_min * o->sigma_min);
 }
 
 brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples, const brdffit_options *options,
@@ -258,12 +291,14 @@ brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *sa
         brdffit_reduce_sort(reduced);
         reduced->snapped = 0.0;
         reduced->counted = reduced->used;
+        brdffit_charge_none(&reduced->charge); /* charge */
         if (samples->form == BRDFFIT_FORM_DIRECTIONS) {
-            brdffit_reduce_snap(reduced);
+            brdffit_reduce_snap(reduced, brdffit_reduce_end(options));
         }
         brdffit_reduce_sums(reduced, samples);
         brdffit_reduce_every_channel(reduced);
         brdffit_reduce_rows(reduced, samples, options->norm);
+        brdffit_charge_samples(reduced, samples, options->norm); /* charge */
     }
     return status;
 }

@@ -12,6 +12,7 @@
 #include "base/arena.h"
 #include "brdffit.h"
 #include "base/lanes.h"
+#include "data/charge.h"
 
 /*
  * Norm l1 minimises sum w |r| and linf the largest |r| where w > 0, so their samples are multiplied by w and by 1
@@ -26,6 +27,7 @@ struct reduced {
     size_t stride;     /* PADDED(M): distance of two rows of the arrays below */
     double c_min;
     double snapped;    /* largest relative change of c - c_min by merging */
+    struct charge charge; /* what the geometry's rounding costs a bound */
     double *c;         /* c - c_min, ascending */
     double *bb;        /* sum w b^2 */
     double *concentration; /* sum w^2 b^4 / bb^2, for the effective number of samples */

@@ -17,8 +17,9 @@ brdffit_status brdffit_reduce_channel_scales(struct reduced *reduced, const brdf
 /* Order by c, then by index. */
 void brdffit_reduce_sort(struct reduced *reduced);
 
-/* Give half-vector angles within rounding one c. */
-void brdffit_reduce_snap(struct reduced *reduced);
+/* Give half-vector angles within rounding one c. s_end: end of the search's range (brdffit_reduce_end). */
+void brdffit_reduce_snap(struct reduced *reduced, double s_end);
+double brdffit_reduce_end(const brdffit_options *options);
 
 /* Sets distinct, stride, c_min and c; clears what is summed over them. */
 void brdffit_reduce_groups(struct reduced *reduced);

@@ -65,8 +65,20 @@ static brdffit_status choose_scales(const struct brdffit_sums *s, const brdffit_
     return brdffit_reduce_channel_scales(r, options, error);
 }
 
+/* What reduced.charge has not from the groups. */
+static void charge_sums(const struct brdffit_sums *s, struct reduced *r)
+{
+    struct charge *c = &r->charge;
+
+    c->diffuse = 2.01 * s->light_error;
+    c->spread = larger(c->spread, 2.0 * s->errors[r->order[0]].spread);
+    c->hidden = sqrt(s->hidden / r->scale_w) / r->scale_b;
+    c->hidden_c = larger(0.0, s->hidden_c - r->c_min);
+    c->hidden_data = sqrt(s->hidden_data / r->scale_w);
+}
+
 /* Groups in ascending c, as if they were samples. */
-static void order_groups(const struct brdffit_sums *s, struct reduced *r)
+static void order_groups(const struct brdffit_sums *s, struct reduced *r, double s_end)
 {
     size_t g;
 
@@ -74,13 +86,19 @@ static void order_groups(const struct brdffit_sums *s, struct reduced *r)
     for (g = 0; g < s->groups; g++) {
         /* A node that was made in vain, for a sample that was refused, is no c. */
         r->sample_c[g] = sums_value(sums_group(s, g) + SUMS_BB) > 0.0 ? s->c[g] : INFINITY;
+        r->sample_b[g] = sqrt(sums_value(sums_group(s, g) + SUMS_BB) / r->scale_w) / r->scale_b; /* charge, and two more */
+        r->charge.b[g] = s->errors[g].b;
+        r->charge.c[g] = s->errors[g].c;
     }
     brdffit_reduce_sort(r);
     r->snapped = 0.0;
+    brdffit_charge_none(&r->charge); /* charge */
     if (s->directions && !s->bits) { /* nodes are never that close, and are to stay where they are */
-        brdffit_reduce_snap(r);
+        brdffit_reduce_snap(r, s_end);
     }
     brdffit_reduce_groups(r);
+    brdffit_charge_groups(r); /* charge */
+    charge_sums(s, r);
     r->counted = s->used;
     r->weight_sum = sums_value(&s->weight) / r->scale_w;
     for (g = 0; g < BRDFFIT_SKIP_COUNT; g++) {
@@ -241,7 +259,7 @@ brdffit_status brdffit_sums_reduce(const struct brdffit_sums *s, const brdffit_o
     if (status != BRDFFIT_OK) {
         return status;
     }
-    order_groups(s, r);
+    order_groups(s, r, brdffit_reduce_end(options));
     r->rows = 0;
     r->aa = r->total = 0.0;
     for (k = 0; k < r->channels; k++) {

@@ -69,7 +69,7 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
     places = *at;
     places.weights = NULL; /* not read: every direction is evaluated */
     for (i = 0; i < at->count; i++) {
-        struct geometry g = {0.0, 0.0, 0.0, 1.0};
+        struct geometry g = {.cos_light = 1.0};
         brdffit_skip skip = brdffit_geometry_sample(&places, model->distribution, 0.0, i, &g, &status, error);
 
         if (status != BRDFFIT_OK) {

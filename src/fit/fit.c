@@ -45,6 +45,18 @@ static int report_reduced(const struct fit *f, const brdffit_options *o)
     return o->progress(o->progress_user, &p) != 0;
 }
 
+/*
+ * What the geometry's rounding costs. A charge d takes 2 d |I| E of E^2, and E^2 is proven to gap E^2 or to
+ * absolute_gap |I|^2: the two meet where a charge of this size takes a hundredth of either.
+ */
+static void charge_domain(struct fit *f, const brdffit_options *o)
+{
+    const double theta[3] = {f->theta_low, f->theta_high, f->theta_flat};
+    double fine = fmin(1e-10, fmax(1e-14, 0.005 * sqrt(o->relative_gap * o->absolute_gap)));
+
+    brdffit_charge_domain(&f->data, f->kind, f->varpro.kernels, theta, fine, f->varpro.phi);
+}
+
 /* Everything up to the first box: domain, partition, engine, rules. The engine is to be finished after success. */
 brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct engine *engine,
                                  struct search_rules *rules, brdffit_error *error)
@@ -53,6 +65,7 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
 
     rules->cancelled = report_reduced(f, o);
     brdffit_fit_prepare(f, o);
+    charge_domain(f, o);
     brdffit_axis_start(&f->axis, f->theta_low, f->theta_high, first_intervals(o));
     status = brdffit_fit_engine_start(f, o, engine);
     if (status != BRDFFIT_OK) {

@@ -45,6 +45,12 @@ double brdffit_exponential_exponent(double c_min, double s)
     return c_min * s;
 }
 
+double brdffit_exponential_sensitivity(double s, double c)
+{
+    (void)c;
+    return s;
+}
+
 void brdffit_exponential_shape(const struct kernels *kernels, const double *c, size_t n, double u, double *phi)
 {
     kernels->exponential_shape(c, n, u, phi);

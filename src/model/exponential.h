@@ -12,10 +12,12 @@ void brdffit_exponential_shape(const struct kernels *kernels, const double *c, s
 void brdffit_exponential_slope(double c, double u, double *ell, double *slope);
 double brdffit_exponential_tail(const double *c, const double *bb, size_t m, double c_min);
 double brdffit_exponential_exponent(double c_min, double s);
+double brdffit_exponential_sensitivity(double s, double c);
 
 /* The members of struct lobe_kind that are these. */
 #define EXPONENTIAL_MEMBERS                                                                                            \
     .exponential = 1, .variable = brdffit_exponential_variable, .shape = brdffit_exponential_shape,                    \
-    .slope = brdffit_exponential_slope, .exponent = brdffit_exponential_exponent, .tail = brdffit_exponential_tail
+    .slope = brdffit_exponential_slope, .exponent = brdffit_exponential_exponent, .tail = brdffit_exponential_tail,    \
+    .sensitivity = brdffit_exponential_sensitivity
 
 #endif

@@ -3,7 +3,8 @@
  * SPDX-License-Identifier: MIT
  *
  * tan^2 alpha comes from the unnormalised half vector h = l + v as |n x h|^2 / (n.h)^2: near the mirror
- * direction 1 - (n.h)^2 would lose every digit that matters there.
+ * direction 1 - (n.h)^2 would lose every digit that matters there. Where that cancels itself (alpha below 1e-4, grazing
+ * cosines with a given normal, opposite directions; r.v near 1 or 0 for lobes that use it) accurate.c does it again.
  */
 #include "model/geometry.h"
 
@@ -14,6 +15,7 @@
 #include "base/error.h"
 #include "base/tolerance.h"
 #include "base/vector.h"
+#include "model/rounding.h"
 
 void brdffit_samples_init(brdffit_samples *samples)
 {
@@ -112,8 +114,24 @@ static brdffit_status vector_error(brdffit_error *error, const double *v, const 
     return brdffit_fail_at(error, message, i, BRDFFIT_NONE, v[j]);
 }
 
-static brdffit_status angles_of_directions(const brdffit_samples *s, size_t i, struct geometry_angles *out,
-                                           brdffit_error *error)
+/* Whether 1 - r.v cancels: near the mirror direction, where it does so in n.l - n.v, and where r.v is about 0. */
+static int mirror_cancels(const struct geometry_angles *g)
+{
+    double difference = g->cos_light - g->cos_view, sum = g->cos_light + g->cos_view;
+    double off = 0.5 * (difference * difference + g->tan2_half * (sum * sum));
+
+    return off < ACCURATE_TAN2 || fabs(1.0 - off) < ACCURATE_COSINE;
+}
+
+static int cancels(const struct geometry_angles *g, int general, int mirrored)
+{
+    return g->tan2_half < ACCURATE_TAN2 || g->cos_difference < 1e-3 ||
+           (general && (fabs(g->cos_light) < ACCURATE_COSINE || fabs(g->cos_view) < ACCURATE_COSINE)) ||
+           (mirrored && mirror_cancels(g));
+}
+
+static brdffit_status angles_of_directions(const brdffit_samples *s, size_t i, int mirrored,
+                                           struct geometry_angles *out, brdffit_error *error)
 {
     double l[3], v[3], n[3] = {0.0, 0.0, 1.0}, h[3], cross[3], cos_half, length;
 
@@ -138,6 +156,11 @@ static brdffit_status angles_of_directions(const brdffit_samples *s, size_t i, s
     out->cos_view = dot3(n, v);
     out->tan2_half = dot3(cross, cross) / (cos_half * cos_half);
     out->cos_difference = 0.5 * length; /* |l + v| = 2 cos(theta_d) for unit vectors */
+    out->accurate = 0;
+    if (cancels(out, s->normal != NULL, mirrored)) {
+        brdffit_geometry_accurate(s->light + 3 * i, s->view + 3 * i, s->normal ? s->normal + 3 * i : NULL, out);
+    }
+    rounding_of_directions(out, s->normal != NULL);
     return BRDFFIT_OK;
 }
 
@@ -148,6 +171,7 @@ static brdffit_status angles_given(const brdffit_samples *s, size_t i, struct ge
     out->cos_view = s->cos_view[i];
     out->tan2_half = s->tan2_half[i];
     out->cos_difference = s->cos_difference[i];
+    rounding_of_angles(out);
     if (!(fabs(out->cos_light) <= 1.0)) {
         return brdffit_fail_at(error, "cos_light is not in [-1, 1]", i, BRDFFIT_NONE, out->cos_light);
     }
@@ -169,6 +193,7 @@ static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, str
     out->b = s->b[i];
     out->c = s->c[i];
     out->cos_light = 1.0;
+    out->light_error = out->b_error = out->c_error = out->b_hidden = out->c_hidden = 0.0;
     if (!(out->a >= 0.0 && isfinite(out->a))) {
         return brdffit_fail_at(error, "a is not finite and >= 0", i, BRDFFIT_NONE, out->a);
     }
@@ -184,6 +209,7 @@ static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, str
 brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribution distribution, double min_cosine,
                                      size_t i, struct geometry *out, brdffit_status *status, brdffit_error *error)
 {
+    const struct lobe_kind *kind = brdffit_lobe_kind_of(distribution);
     struct geometry_angles angles;
 
     *status = BRDFFIT_OK;
@@ -198,7 +224,7 @@ brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribut
         *status = coefficients_given(s, i, out, error);
         return BRDFFIT_SKIP_COUNT;
     }
-    *status = s->form == BRDFFIT_FORM_DIRECTIONS ? angles_of_directions(s, i, &angles, error)
+    *status = s->form == BRDFFIT_FORM_DIRECTIONS ? angles_of_directions(s, i, kind->mirrored, &angles, error)
                                                  : angles_given(s, i, &angles, error);
     if (*status != BRDFFIT_OK) {
         return BRDFFIT_SKIP_COUNT;
@@ -214,6 +240,8 @@ brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribut
     }
     out->a = angles.cos_light / PI;
     out->cos_light = angles.cos_light;
-    brdffit_lobe_kind_of(distribution)->row(&angles, out);
+    out->light_error = angles.light_error + 2.0 * TOL_UNIT;
+    out->b_hidden = out->c_hidden = 0.0;
+    kind->row(&angles, out);
     return BRDFFIT_SKIP_COUNT;
 }

@@ -1,6 +1,9 @@
 /*
  * GGX (Walter et al. 2007) in the geometry of Cook and Torrance: s = 1 / sigma^2, g = b s (1 + c s)^-2.
- * theory 4.4 has its phi and why it may be used: see lobe.h. SPDX-License-Identifier: MIT
+ * theory 4.4 has its phi and why it may be used: see lobe.h.
+ *
+ * Condition. That of cook_torrance.h; but an error of c counts 2 s / (1 + c s) times, at most 2 / c: GGX lobes forget what
+ * they do not resolve. SPDX-License-Identifier: MIT
  */
 #include <math.h>
 #include "base/exp.h"
@@ -74,6 +77,11 @@ static double evaluate(double s, double c)
     return s / (rest * rest);
 }
 
+static double sensitivity(double s, double c)
+{
+    return 2.0 * s / (1.0 + c * s);
+}
+
 const struct lobe_kind brdffit_lobe_ggx = {
     .name = "ggx",
     .row = brdffit_cook_torrance_row,
@@ -87,4 +95,5 @@ const struct lobe_kind brdffit_lobe_ggx = {
     .exponent = exponent,
     .tail = tail,
     .evaluate = evaluate,
+    .sensitivity = sensitivity,
 };

@@ -36,10 +36,12 @@ struct lobe_kind {
     const char *name;
     int by_exponent; /* the user's parameter is the exponent n = s, and not sigma = 1 / sqrt(s) */
     int exponential; /* the fast case: ell = -c' whatever u is, and slope = 0 */
+    int mirrored;    /* b and c are made of r.v, and not of alpha */
 
     /* ---- geometry ---- */
 
-    /* out->b and out->c; both cosines are above LIMIT_GRAZING. Distributions with the same function share their sums. */
+    /* out->b and out->c with their errors; both cosines are above LIMIT_GRAZING. Distributions with the same function share
+     * their sums. */
     void (*row)(const struct geometry_angles *angles, struct geometry *out);
 
     /* b of a table's row is table_factor(cos^2 alpha) times what table_kind says; NULL: 1. */
@@ -77,6 +79,9 @@ struct lobe_kind {
 
     /* g / b at one (s, c): lambda(s) phi(s, c), for evaluation. */
     double (*evaluate)(double s, double c);
+
+    /* -d ln g / dc at (s, c): what an error of c does to g. Does not rise with c. */
+    double (*sensitivity)(double s, double c);
 };
 
 extern const struct lobe_kind brdffit_lobe_beckmann, brdffit_lobe_ggx, brdffit_lobe_torrance_sparrow, brdffit_lobe_ward,

@@ -149,19 +149,24 @@ static double solve(struct bound_lp *e, double target)
 double brdffit_bound_lp(struct bound_lp *e, struct box *box, struct point *met)
 {
     const struct varpro *v = e->restricted->varpro;
-    double target = box->bound, reachable = 0.0;
+    double target = box->bound, reachable = 0.0, low[2], high[2], charged;
     struct varpro_value value;
+    struct doubt doubt;
     struct lp_data program;
     size_t k;
     int p;
 
     for (p = 0; p < v->lobes; p++) {
         const struct axis_interval *i = &e->axis->interval[box->interval[p]];
-        double low = e->axis->coordinate[i->low], high = e->axis->coordinate[i->high];
 
-        met->theta[p] = 0.5 * (low + high);
-        brdffit_bound_lp_lobe(e, p, low, met->theta[p], high);
+        low[p] = e->axis->coordinate[i->low];
+        high[p] = e->axis->coordinate[i->high];
+        met->theta[p] = 0.5 * (low[p] + high[p]);
+        brdffit_bound_lp_lobe(e, p, low[p], met->theta[p], high[p]);
     }
+    doubt = brdffit_charge_box(&v->data->charge, v->lobes, low, high);
+    charged = target + (doubt.error + doubt.hidden) * v->data->charge.root * (1.0 + 16.0 * TOL_UNIT);
+    charged *= 1.0 + 16.0 * TOL_UNIT; /* what pays for the target */
     box->split = v->lobes > 1 && e->lobe[1].change > e->lobe[0].change;
     brdffit_l1_linf_evaluate(e->restricted, met, 0, &value);
     for (k = 0; k < v->data->channels; k++) {
@@ -173,7 +178,7 @@ double brdffit_bound_lp(struct bound_lp *e, struct box *box, struct point *met)
     if (e->cheap && isfinite(target) && reachable <= target) {
         e->decided++; /* no program could close it */
     } else {
-        box->bound = solve(e, target);
+        box->bound = brdffit_charge_pay(&v->data->charge, &doubt, solve(e, charged));
     }
     return value.objective;
 }

@@ -77,7 +77,21 @@ double brdffit_bound_moment_objective(const struct bound_moment *e, double gain)
 {
     double bound = e->moments.data->total - gain - e->moments.slack;
 
-    return bound > 0.0 ? bound : 0.0;
+    return bound > 0.0 ? brdffit_charge_pay(&e->moments.data->charge, &e->doubt, bound) : 0.0;
+}
+
+void brdffit_bound_moment_doubt(struct bound_moment *e, const struct box *box, int lobes)
+{
+    double low[2], high[2];
+    int p;
+
+    for (p = 0; p < lobes; p++) {
+        const struct axis_interval *i = &e->axis->interval[box->interval[p]];
+
+        low[p] = e->axis->coordinate[i->low];
+        high[p] = e->axis->coordinate[i->high];
+    }
+    e->doubt = brdffit_charge_box(&e->moments.data->charge, lobes, low, high);
 }
 
 void brdffit_bound_moment_meet(const struct bound_moment *e, double gain, const double theta[2], double *best,
@@ -161,6 +175,7 @@ double brdffit_bound_moment_one(void *self, struct box *box, struct point *met)
     int i, depth;
 
     box->split = 0;
+    brdffit_bound_moment_doubt(e, box, 1);
     box->bound = vertex_one(e, v, cutoff, gain);
     for (depth = 1; depth <= 2 && !(box->bound >= cutoff); depth++) {
         v = brdffit_bound_moment_side(e, box->interval[0], depth);

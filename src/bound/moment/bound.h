@@ -12,6 +12,7 @@ struct bound_moment {
     struct axis *axis; /* refinement of its intervals splits it ahead of the search */
     struct moments moments;
     struct intervals intervals;
+    struct doubt doubt; /* of the box that is being bounded */
 };
 
 void brdffit_bound_moment_layout(struct bound_moment *engine, struct arena *arena, size_t count, size_t channels,
@@ -22,6 +23,9 @@ void brdffit_bound_moment_start(struct bound_moment *engine, const struct reduce
 
 /* What is known of one interval of the axis, refined by its halves, `depth` levels of them at most, where that pays. */
 const struct interval *brdffit_bound_moment_side(struct bound_moment *engine, uint32_t index, int depth);
+
+/* What the geometry's rounding costs this box: before its first bound. */
+void brdffit_bound_moment_doubt(struct bound_moment *engine, const struct box *box, int lobes);
 
 /* Lower bound of E^2 from an upper bound of J; never below 0, which is always true. */
 double brdffit_bound_moment_objective(const struct bound_moment *engine, double gain);

@@ -170,6 +170,7 @@ double brdffit_bound_moment_two(void *self, struct box *box, struct point *met)
     int finite;
 
     open_view(&v, e, box);
+    brdffit_bound_moment_doubt(e, box, 2);
     finite = finite_shifts(&v);
     kernels->gains_two(&v.gains, !finite, gain);
     best = meet_corners(&v, gain, met);

@@ -1,0 +1,77 @@
+/*
+ * What the rounding of geometry costs a proof: see charge.c. SPDX-License-Identifier: MIT
+ */
+#ifndef BRDFFIT_CHARGE_H
+#define BRDFFIT_CHARGE_H
+
+#include <stddef.h>
+
+#include "base/arena.h"
+#include "brdffit.h"
+#include "model/geometry.h"
+#include "model/lobe.h"
+
+struct reduced;
+
+/* Cells of theta, where one number is not enough. */
+#define CHARGE_CELLS 48
+
+struct charge {
+    double *light, *b, *c;      /* used samples: their errors (struct geometry). Of one with b = 0: b and c are what it hides */
+    double *gamma, *off, *weight; /* distinct c: largest error of c; norms of errors of b, and of b */
+    double diffuse;             /* of a and of the data, relative to their norms */
+    double relative;            /* largest relative error of b */
+    double reference;           /* error of c of c_min's first sample, which y takes up */
+    double spread;              /* error of c of the others of c_min against it */
+    double hidden, hidden_c;    /* norm of what samples with b = 0 may hide, and their least c - c_min */
+    double hidden_data;         /* norm of their data */
+    double root;                /* norm of all data, twice that where the norm is not l2 */
+    brdffit_norm norm;          /* not l2: objectives are norms, and not their squares */
+    double body, tail;          /* relative error of a lobe: in the domain; from its end on */
+    double low, step;           /* of the table: theta of its first cell, 1 / width. step = 0: there is none */
+    double cell[CHARGE_CELLS], hidden_cell[CHARGE_CELLS], hidden_body;
+    double high;                /* end of the domain: the tail begins */
+};
+
+/* A box's charge: see brdffit_charge_pay(). */
+struct doubt {
+    double error;  /* of the model, relative to the data */
+    double hidden; /* the same of what is hidden */
+};
+
+void brdffit_charge_layout(struct charge *charge, struct arena *arena, size_t count);
+
+/* No errors: what reduce.c starts from. */
+void brdffit_charge_none(struct charge *charge);
+
+/* Errors of used sample j; and the factor that b got. */
+static inline void brdffit_charge_sample(struct charge *charge, size_t j, const struct geometry *g)
+{
+    charge->light[j] = g->light_error;
+    charge->b[j] = g->b > 0.0 ? g->b_error : g->b_hidden;
+    charge->c[j] = g->b > 0.0 ? g->c_error : g->c_hidden;
+}
+
+/* After the sums and the rows: errors of the groups, of a and of the data, and what is hidden. */
+void brdffit_charge_samples(struct reduced *reduced, const brdffit_samples *samples, brdffit_norm norm);
+
+/* The same where the "samples" are groups of sums: only the groups' errors, from sample_b, b and c. */
+void brdffit_charge_groups(struct reduced *reduced);
+
+/*
+ * Once the domain is known: lobes of theta in [low, high], which change no more up to `flat`. One number for all of it does
+ * where that is at most `fine`. `scratch`: a stride.
+ */
+void brdffit_charge_domain(struct reduced *reduced, const struct lobe_kind *kind, const struct kernels *kernels,
+                           const double theta[3], double fine, double *scratch);
+
+/* The error of a lobe of any theta in [low, high]. */
+struct doubt brdffit_charge_lobe(const struct charge *charge, double low, double high);
+
+/* Of a box of one or two lobes. */
+struct doubt brdffit_charge_box(const struct charge *charge, int lobes, const double low[2], const double high[2]);
+
+/* Lower bound of the objective with true coefficients from one with those that are there. */
+double brdffit_charge_pay(const struct charge *charge, const struct doubt *doubt, double bound);
+
+#endif
