@@ -48,8 +48,8 @@ void brdffit_charge_layout(struct charge *c, struct arena *arena, size_t count)
 
 void brdffit_charge_none(struct charge *c)
 {
-    c->diffuse = c->relative = c->reference = c->spread = 0.0;
-    c->hidden = c->hidden_c = c->hidden_data = c->hidden_body = 0.0;
+    c->diffuse = c->grazing = c->relative = c->reference = c->spread = c->joined = 0.0;
+    c->hidden = c->hidden_c = c->hidden_data = 0.0;
     c->body = c->tail = c->root = c->step = 0.0;
     c->norm = BRDFFIT_NORM_L2;
 }
@@ -67,32 +67,60 @@ static double root_of(double sum, brdffit_norm norm)
 
 /* ---- Groups ------------------------------------------------------------------------------------------------- */
 
-static void charge_group(struct reduced *r, size_t begin, size_t end, size_t j, brdffit_norm norm)
+/* Errors of c; returns the first place without a lobe. */
+static size_t charge_groups(struct reduced *r)
 {
     struct charge *c = &r->charge;
-    double gamma = 0.0, off = 0.0, weight = 0.0;
-    size_t place;
+    size_t place = 0, begin = 0, j = 0;
+    double others = 0.0;
 
-    for (place = begin; place < end; place++) {
-        uint32_t i = r->order[place];
+    while (place < r->used && isfinite(r->sample_c[r->order[place]])) {
+        double gamma = c->c[r->order[place]], first = r->sample_c[r->order[place]];
 
-        gamma = larger(gamma, c->c[i]);
-        c->relative = larger(c->relative, c->b[i]);
-        off = join(off, c->b[i] * r->sample_b[i], norm);
-        weight = join(weight, r->sample_b[i], norm);
-    }
-    c->gamma[j] = gamma;
-    c->off[j] = root_of(off, norm);
-    c->weight[j] = root_of(weight, norm);
-    if (j == 0) {
-        double others = 0.0;
+        for (begin = place++; place < r->used && r->sample_c[r->order[place]] == first; place++) {
+            double error = c->c[r->order[place]];
 
-        c->reference = c->c[r->order[begin]];
-        for (place = begin + 1; place < end; place++) {
-            others = larger(others, c->c[r->order[place]]);
+            gamma = larger(gamma, error);
+            others = begin == 0 ? larger(others, error) : others;
         }
-        c->spread = end - begin > 1 ? others + c->reference : 0.0;
+        c->gamma[j++] = gamma;
+        if (begin == 0) {
+            c->reference = c->c[r->order[0]];
+            c->spread = place < 2                   ? 0.0
+                        : r->c_min <= MIRROR_C_MIN ? c->joined + MIRROR_ROUNDING
+                                                   : others + c->reference;
+        }
     }
+    return place;
+}
+
+/* What only the table needs: norms of b and of its errors, group by group, and over all. */
+static void fill_norms(struct reduced *r)
+{
+    struct charge *c = &r->charge;
+    double all = 0.0, mean = 0.0, sum = 0.0;
+    size_t place = 0, end, j = 0;
+
+    for (; place < r->used && isfinite(r->sample_c[r->order[place]]); place = end, j++) {
+        double off = 0.0, weight = 0.0;
+
+        end = brdffit_reduce_group_end(r, place);
+        for (; place < end; place++) {
+            uint32_t i = r->order[place];
+            double b = r->sample_b[i], share = c->norm == BRDFFIT_NORM_L2 ? b * b : b;
+
+            off = join(off, c->b[i] * b, c->norm);
+            weight = join(weight, b, c->norm);
+            all = join(all, b, c->norm);
+            mean += share * r->c[j];
+            sum += share;
+        }
+        c->off[j] = root_of(off, c->norm);
+        c->weight[j] = root_of(weight, c->norm);
+    }
+    c->least = c->weight[0];
+    c->all = c->norm == BRDFFIT_NORM_LINF ? 0.0 : root_of(all, c->norm);
+    c->mean = sum > 0.0 ? SAFE * mean / sum : 0.0;
 }
 
 /* Samples without a lobe, which may hide one: those with positive data. */
@@ -126,17 +154,11 @@ static void charge_hidden(struct reduced *r, const brdffit_samples *samples, siz
 static void charge_diffuse(struct reduced *r, const brdffit_samples *samples, brdffit_norm norm)
 {
     struct charge *c = &r->charge;
-    double most = 0.0, a = 0.0, error = 0.0, data = 0.0, data_error = 0.0;
+    double a = 0.0, error = 0.0, data = 0.0, data_error = 0.0;
     size_t i, k;
 
-    for (i = 0; i < r->used; i++) {
-        most = larger(most, c->light[i]);
-    }
-    c->diffuse = 2.0 * SAFE * most;
-    if (!(most > 1e-12)) {
-        return;
-    }
-    for (i = 0; i < r->used; i++) {
+    c->diffuse = 2.0 * SAFE * c->grazing;
+    for (i = 0; i < r->used && c->grazing > 1e-12; i++) {
         a = join(a, r->sample_a[i], norm);
         error = join(error, r->sample_a[i] * c->light[i], norm);
         for (k = 0; k < r->channels; k++) {
@@ -146,36 +168,22 @@ static void charge_diffuse(struct reduced *r, const brdffit_samples *samples, br
             data_error = join(data_error, value * c->light[i], norm);
         }
     }
-    a = a > 0.0 ? root_of(error, norm) / root_of(a, norm) : 0.0;
-    data = data > 0.0 ? root_of(data_error, norm) / root_of(data, norm) : 0.0;
-    c->diffuse = SAFE * (a + data);
-}
-
-/* Returns the first place without a lobe. */
-static size_t charge_groups(struct reduced *r, brdffit_norm norm)
-{
-    struct charge *c = &r->charge;
-    size_t place, end, j;
-
-    for (place = 0, j = 0; place < r->used && isfinite(r->sample_c[r->order[place]]); place = end, j++) {
-        end = brdffit_reduce_group_end(r, place);
-        charge_group(r, place, end, j, norm);
+    if (c->grazing > 1e-12) {
+        a = a > 0.0 ? root_of(error, norm) / root_of(a, norm) : 0.0;
+        data = data > 0.0 ? root_of(data_error, norm) / root_of(data, norm) : 0.0;
+        c->diffuse = SAFE * (a + data);
     }
-    for (; j < r->stride; j++) {
-        c->gamma[j] = c->off[j] = c->weight[j] = 0.0;
-    }
-    return place;
 }
 
 void brdffit_charge_groups(struct reduced *r)
 {
-    (void)charge_groups(r, BRDFFIT_NORM_L2);
+    (void)charge_groups(r);
 }
 
 void brdffit_charge_samples(struct reduced *r, const brdffit_samples *samples, brdffit_norm norm)
 {
     struct charge *c = &r->charge;
-    size_t place = charge_groups(r, norm);
+    size_t place = charge_groups(r);
 
     c->norm = norm;
     charge_diffuse(r, samples, norm);
@@ -223,12 +231,12 @@ static double group_error(const struct reduced *r, const struct lobe_kind *kind,
     return x < 600.0 ? x * kernel_exp(x) : INFINITY;
 }
 
-/* |g* - g| / |g*| of lobes in [low, high] of theta; *hidden the same of what is hidden. */
+/* |g* - g| / |g| of lobes in [low, high] of theta. */
 static double cell_error(const struct reduced *r, const struct lobe_kind *kind, const struct kernels *kernels,
-                         double low, double high, double *phi, double *hidden)
+                         double low, double high, double *phi)
 {
     const struct charge *c = &r->charge;
-    double s_low = kernel_exp(low), s_high = kernel_exp(high), u[3], size = 0.0, error = 0.0, ratio;
+    double s_low = kernel_exp(low), s_high = kernel_exp(high), u[3], size = 0.0, error = 0.0;
     size_t j;
 
     kind->variable(r->c_min, high, u);
@@ -244,11 +252,7 @@ static double cell_error(const struct reduced *r, const struct lobe_kind *kind, 
         error = join(error, c->off[j] * phi[j] + (lobe > 0.0 ? (1.0 + c->relative) * x * lobe : 0.0), c->norm);
     }
     size = root_of(size, c->norm);
-    ratio = size > 0.0 ? SAFE * root_of(error, c->norm) / size + 1e-17 : error > 0.0 ? (double)INFINITY : 0.0;
-    *hidden = !(c->hidden > 0.0) ? 0.0
-              : size > 0.0       ? SAFE * c->hidden * kernel_exp(-c->hidden_c * s_low) / size
-                                 : (double)INFINITY;
-    return ratio;
+    return size > 0.0 ? SAFE * root_of(error, c->norm) / size + 1e-17 : error > 0.0 ? (double)INFINITY : 0.0;
 }
 
 /* |g*| is at least (1 - ratio) |g|. */
@@ -261,49 +265,62 @@ static void fill_cells(struct reduced *r, const struct lobe_kind *kind, const st
                        double high, double *phi)
 {
     struct charge *c = &r->charge;
-    double width = (high - low) / CHARGE_CELLS, hidden, ratio;
+    double width = (high - low) / CHARGE_CELLS;
     size_t i;
 
     for (i = 0; i < CHARGE_CELLS; i++) {
-        ratio = cell_error(r, kind, kernels, low + (double)i * width, low + ((double)i + 1.0) * width, phi, &hidden);
-        c->cell[i] = over_true(ratio, ratio);
-        c->hidden_cell[i] = over_true(hidden, ratio);
+        c->cell[i] = cell_error(r, kind, kernels, low + (double)i * width, low + ((double)i + 1.0) * width, phi);
+        c->cell[i] = over_true(c->cell[i], c->cell[i]);
     }
     c->low = low;
     c->step = width > 0.0 ? 1.0 / width : 0.0;
     c->body = width > 0.0 ? 0.0 : c->cell[0];
-    c->hidden_body = width > 0.0 ? 0.0 : c->hidden_cell[0];
 }
 
 void brdffit_charge_domain(struct reduced *r, const struct lobe_kind *kind, const struct kernels *kernels,
                            const double theta[3], double fine, double *scratch)
 {
     struct charge *c = &r->charge;
-    double low = theta[0], high = theta[1], flat = larger(theta[2], theta[1]), hidden, ratio;
+    double low = theta[0], high = theta[1], flat = larger(theta[2], theta[1]);
 
     c->step = 0.0;
     c->high = high;
-    c->body = c->tail = c->hidden_body = 0.0;
+    c->body = c->tail = c->least = c->all = c->mean = 0.0;
     c->diffuse = over_true(c->diffuse, c->diffuse);
     c->root = (c->norm == BRDFFIT_NORM_L2 ? sqrt(r->total) : 2.0 * r->total) * SAFE * (1.0 + c->diffuse);
     if (!(r->bb[0] > 0.0)) {
-        c->hidden_body = c->hidden > 0.0 ? INFINITY : 0.0;
         return;
     }
     c->body = from_maxima(r, kind, kernel_exp(high));
     c->tail = larger(c->body, from_maxima(r, kind, kernel_exp(flat)));
-    if (c->hidden > 0.0 || !(c->body <= fine)) {
-        fill_cells(r, kind, kernels, low, high, scratch);
+    if (c->hidden > 0.0 || !(c->tail <= fine)) {
+        fill_norms(r);
     }
     if (!(c->tail <= fine)) {
-        ratio = cell_error(r, kind, kernels, high, flat, scratch, &hidden);
-        c->tail = over_true(ratio, ratio);
+        c->tail = cell_error(r, kind, kernels, high, flat, scratch);
+        c->tail = over_true(c->tail, c->tail);
     }
+    if (!(c->body <= fine)) {
+        fill_cells(r, kind, kernels, low, high, scratch);
+    }
+}
+
+/*
+ * What is hidden against |g*| of an exponential lobe: |g| is at least that of c_min's samples, and by Jensen's inequality at
+ * least exp(-mean s) that of all b; |g*| is (1 - error) of it.
+ */
+static double hidden_share(const struct charge *c, double low, double high, double error)
+{
+    double size = larger(c->least, c->all * kernel_exp(-c->mean * kernel_exp(high)));
+
+    return size > 0.0 && error < 0.5
+               ? SAFE * c->hidden * kernel_exp(-c->hidden_c * kernel_exp(low)) / (size * (1.0 - error))
+               : (double)INFINITY;
 }
 
 struct doubt brdffit_charge_lobe(const struct charge *c, double low, double high)
 {
-    struct doubt d = {c->body, c->hidden_body};
+    struct doubt d = {c->body, 0.0};
     double first, last;
 
     if (c->step > 0.0) {
@@ -311,11 +328,13 @@ struct doubt brdffit_charge_lobe(const struct charge *c, double low, double high
         last = smaller(CHARGE_CELLS - 1.0, floor((high - c->low) * c->step + 1e-6));
         for (; first <= last; first += 1.0) {
             d.error = larger(d.error, c->cell[(size_t)first]);
-            d.hidden = larger(d.hidden, c->hidden_cell[(size_t)first]);
         }
     }
     if (high >= c->high) {
         d.error = larger(d.error, c->tail);
+    }
+    if (c->hidden > 0.0) {
+        d.hidden = hidden_share(c, low, high, d.error);
     }
     return d;
 }

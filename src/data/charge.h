@@ -13,24 +13,36 @@
 
 struct reduced;
 
+/*
+ * Directions that mirror each other within TOL_ANGLE are mirror images (brdffit.h): what the doubles say of c is charged,
+ * and its rounding, 1e-28 times alpha and more (rounding.h), but not that alpha is known to TOL_ANGLE only. Else nothing
+ * could be said of lobes below 1e-10, for all data with two samples in the mirror direction.
+ */
+#define MIRROR_C_MIN (8.0 * TOL_ANGLE * TOL_ANGLE)
+#define MIRROR_ROUNDING 1e-40
+
 /* Cells of theta, where one number is not enough. */
 #define CHARGE_CELLS 48
 
 struct charge {
     double *light, *b, *c;      /* used samples: their errors (struct geometry). Of one with b = 0: b and c are what it hides */
-    double *gamma, *off, *weight; /* distinct c: largest error of c; norms of errors of b, and of b */
+    double *gamma;              /* distinct c: largest error of c */
+    double *off, *weight;       /* norms of errors of b, and of b; where the table needs them */
+    double grazing;             /* largest relative error of n.l */
     double diffuse;             /* of a and of the data, relative to their norms */
     double relative;            /* largest relative error of b */
     double reference;           /* error of c of c_min's first sample, which y takes up */
     double spread;              /* error of c of the others of c_min against it */
+    double joined;              /* largest change of c by joining c_min (reduce.c) */
     double hidden, hidden_c;    /* norm of what samples with b = 0 may hide, and their least c - c_min */
     double hidden_data;         /* norm of their data */
     double root;                /* norm of all data, twice that where the norm is not l2 */
     brdffit_norm norm;          /* not l2: objectives are norms, and not their squares */
     double body, tail;          /* relative error of a lobe: in the domain; from its end on */
     double low, step;           /* of the table: theta of its first cell, 1 / width. step = 0: there is none */
-    double cell[CHARGE_CELLS], hidden_cell[CHARGE_CELLS], hidden_body;
+    double cell[CHARGE_CELLS];
     double high;                /* end of the domain: the tail begins */
+    double least, all, mean;    /* norms of b over c_min and over all samples; mean c - c_min under it */
 };
 
 /* A box's charge: see brdffit_charge_pay(). */
@@ -44,12 +56,16 @@ void brdffit_charge_layout(struct charge *charge, struct arena *arena, size_t co
 /* No errors: what reduce.c starts from. */
 void brdffit_charge_none(struct charge *charge);
 
-/* Errors of used sample j; and the factor that b got. */
+/* Errors of used sample j. */
 static inline void brdffit_charge_sample(struct charge *charge, size_t j, const struct geometry *g)
 {
+    int lobe = g->b > 0.0;
+
     charge->light[j] = g->light_error;
-    charge->b[j] = g->b > 0.0 ? g->b_error : g->b_hidden;
-    charge->c[j] = g->b > 0.0 ? g->c_error : g->c_hidden;
+    charge->b[j] = lobe ? g->b_error : g->b_hidden;
+    charge->c[j] = lobe ? g->c_error : g->c_hidden;
+    charge->grazing = g->light_error > charge->grazing ? g->light_error : charge->grazing;
+    charge->relative = lobe && g->b_error > charge->relative ? g->b_error : charge->relative;
 }
 
 /* After the sums and the rows: errors of the groups, of a and of the data, and what is hidden. */

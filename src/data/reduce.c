@@ -75,6 +75,7 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
     size_t i, k;
 
     r->used = 0;
+    brdffit_charge_none(&r->charge); /* charge */
     for (k = 0; k < BRDFFIT_SKIP_COUNT; k++) {
         r->skipped[k] = 0;
     }
@@ -265,7 +266,8 @@ void brdffit_reduce_snap(struct reduced *r, double s_end)
             first = *c;
         } else if (change > 0.0) {
             r->snapped = first == low ? r->snapped : larger(r->snapped, change / (first - low));
-            r->charge.c[r->order[i]] += change; /* charge */
+            r->charge.c[r->order[i]] += change; /* charge, and the next line */
+            r->charge.joined = first == low ? larger(r->charge.joined, change) : r->charge.joined;
             *c = first;
         }
     }
@@ -291,7 +293,6 @@ brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *sa
         brdffit_reduce_sort(reduced);
         reduced->snapped = 0.0;
         reduced->counted = reduced->used;
-        brdffit_charge_none(&reduced->charge); /* charge */
         if (samples->form == BRDFFIT_FORM_DIRECTIONS) {
             brdffit_reduce_snap(reduced, brdffit_reduce_end(options));
         }

@@ -71,7 +71,9 @@ static void charge_sums(const struct brdffit_sums *s, struct reduced *r)
     struct charge *c = &r->charge;
 
     c->diffuse = 2.01 * s->light_error;
-    c->spread = larger(c->spread, 2.0 * s->errors[r->order[0]].spread);
+    if (!(r->c_min <= MIRROR_C_MIN)) {
+        c->spread = larger(c->spread, 2.0 * s->errors[r->order[0]].spread);
+    }
     c->hidden = sqrt(s->hidden / r->scale_w) / r->scale_b;
     c->hidden_c = larger(0.0, s->hidden_c - r->c_min);
     c->hidden_data = sqrt(s->hidden_data / r->scale_w);
@@ -83,16 +85,17 @@ static void order_groups(const struct brdffit_sums *s, struct reduced *r, double
     size_t g;
 
     r->used = s->groups;
+    brdffit_charge_none(&r->charge); /* charge */
     for (g = 0; g < s->groups; g++) {
         /* A node that was made in vain, for a sample that was refused, is no c. */
         r->sample_c[g] = sums_value(sums_group(s, g) + SUMS_BB) > 0.0 ? s->c[g] : INFINITY;
         r->sample_b[g] = sqrt(sums_value(sums_group(s, g) + SUMS_BB) / r->scale_w) / r->scale_b; /* charge, and two more */
         r->charge.b[g] = s->errors[g].b;
         r->charge.c[g] = s->errors[g].c;
+        r->charge.relative = larger(r->charge.relative, s->errors[g].b);
     }
     brdffit_reduce_sort(r);
     r->snapped = 0.0;
-    brdffit_charge_none(&r->charge); /* charge */
     if (s->directions && !s->bits) { /* nodes are never that close, and are to stay where they are */
         brdffit_reduce_snap(r, s_end);
     }

@@ -55,20 +55,33 @@ static struct twofold square(struct twofold x)
     return twofold_multiply(x, x);
 }
 
+/* Mirror images about +z to the last bit, as the samples of a regular grid are: alpha = 0, and the cosines are fine. */
+static int is_mirror_pair(const double *l, const double *v)
+{
+    return l[0] == -v[0] && l[1] == -v[1] && l[2] == v[2];
+}
+
 void brdffit_geometry_accurate(const double *light, const double *view, const double *normal, struct geometry_angles *out)
 {
-    static const double up[3] = {0.0, 0.0, 1.0};
-    const struct twofold half = {0.5, 0.0}, two = {2.0, 0.0};
+    const struct twofold half = {0.5, 0.0}, two = {2.0, 0.0}, one = {1.0, 0.0};
     struct twofold L, V, N, nl, nv, all, light_part, view_part, tangential = {0.0, 0.0}, h2 = {0.0, 0.0}, root, off;
-    double l[3], v[3], n[3];
+    double l[3], v[3], n[3] = {0.0, 0.0, 1.0};
     int j;
 
+    out->accurate = 1;
+    if (!normal && is_mirror_pair(light, view)) {
+        out->tan2_half = out->off_mirror = 0.0;
+        out->mirror = 1.0;
+        return;
+    }
     at_unit_size(light, l);
     at_unit_size(view, v);
-    at_unit_size(normal ? normal : up, n);
+    if (normal) {
+        at_unit_size(normal, n);
+    }
     L = twofold_root(dot(l, l));
     V = twofold_root(dot(v, v));
-    N = twofold_root(dot(n, n));
+    N = normal ? twofold_root(dot(n, n)) : one;
     nl = dot(n, l);
     nv = dot(n, v);
     light_part = twofold_multiply(nl, V);
@@ -90,5 +103,4 @@ void brdffit_geometry_accurate(const double *light, const double *view, const do
     out->off_mirror = twofold_multiply(half, twofold_divide(off, square(all))).high;
     off = twofold_subtract(twofold_multiply(two, twofold_multiply(nl, nv)), twofold_multiply(square(N), dot(l, v)));
     out->mirror = twofold_divide(twofold_divide(off, twofold_multiply(square(N), L)), V).high;
-    out->accurate = 1;
 }

@@ -17,7 +17,7 @@ struct geometry_angles {
     double mirror;         /* r.v, likewise */
     int accurate;          /* off_mirror and mirror are there */
     double light_error, view_error, difference_error; /* relative, of the cosines */
-    double tangent_error;  /* absolute, of tan alpha */
+    double tangent_error, tan2_error; /* absolute, of tan alpha and its square */
     double mirror_error;   /* absolute, of |r - v| */
 };
 

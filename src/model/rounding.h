@@ -49,9 +49,9 @@ static inline void rounding_of_directions(struct geometry_angles *g, int general
     if (g->accurate) {
         across = (g->tan2_half > 0.0 ? across : 0.0) + 1e-28;
         distance = (g->off_mirror > 0.0 ? distance : 0.0) + 1e-28;
-        g->light_error = light / g->cos_light + 4.0 * TOL_UNIT;
-        g->view_error = view / g->cos_view + 4.0 * TOL_UNIT;
-        g->difference_error = input / g->cos_difference + 4.0 * TOL_UNIT;
+        g->light_error = light / g->cos_light + 6.0 * TOL_UNIT; /* those of +z, where nothing else cancels */
+        g->view_error = view / g->cos_view + 6.0 * TOL_UNIT;
+        g->difference_error = (input + 10.0 * TOL_UNIT) / g->cos_difference;
     } else if (general) {
         across += 27.0 * TOL_UNIT;
         sum += 27.0 * TOL_UNIT;
@@ -67,6 +67,7 @@ static inline void rounding_of_directions(struct geometry_angles *g, int general
         g->difference_error = (input + 10.0 * TOL_UNIT) / g->cos_difference;
     }
     g->tangent_error = (across + tangent * sum) / cosines + 16.0 * TOL_UNIT * tangent;
+    g->tan2_error = ENOUGH * g->tangent_error * (2.0 * tangent + g->tangent_error);
     g->mirror_error = distance;
 }
 
@@ -74,19 +75,14 @@ static inline void rounding_of_directions(struct geometry_angles *g, int general
 static inline void rounding_of_angles(struct geometry_angles *g)
 {
     g->accurate = 0;
-    g->light_error = g->view_error = g->difference_error = g->tangent_error = g->mirror_error = 0.0;
-}
-
-/* Of tan^2 alpha, absolute. */
-static inline double rounding_of_tan2(const struct geometry_angles *g)
-{
-    return ENOUGH * g->tangent_error * (2.0 * sqrt(g->tan2_half) + g->tangent_error);
+    g->light_error = g->view_error = g->difference_error = 0.0;
+    g->tangent_error = g->tan2_error = g->mirror_error = 0.0;
 }
 
 /* Of 1 + tan^2 alpha, relative. */
 static inline double rounding_of_cos2(const struct geometry_angles *g)
 {
-    return rounding_of_tan2(g) / (1.0 + g->tan2_half) + 2.0 * TOL_UNIT;
+    return g->tan2_error / (1.0 + g->tan2_half) + 2.0 * TOL_UNIT;
 }
 
 /* Of min(n.l / n.v, 1) (or of min(n.v / n.l, 1), cosines exchanged): none where the 1 leaves no doubt. */
@@ -107,7 +103,7 @@ static inline double rounding_of_masking(const struct geometry_angles *g, double
 /* Of ln(1 + tan^2 alpha) / 2, which was computed as c: kernel_log1p is within 7 u. */
 static inline double rounding_of_log(const struct geometry_angles *g, double c)
 {
-    return 0.5 * ENOUGH * rounding_of_tan2(g) / (1.0 + g->tan2_half) + 8.0 * TOL_UNIT * c;
+    return 0.5 * ENOUGH * g->tan2_error / (1.0 + g->tan2_half) + 8.0 * TOL_UNIT * c;
 }
 
 #endif

@@ -15,7 +15,7 @@ static void row(const struct geometry_angles *g, struct geometry *out)
     out->b = sqrt(g->cos_light / g->cos_view) / (4.0 * PI);
     out->c = g->tan2_half;
     out->b_error = 0.5 * ENOUGH * (g->light_error + g->view_error) + 6.0 * TOL_UNIT;
-    out->c_error = rounding_of_tan2(g);
+    out->c_error = g->tan2_error;
 }
 
 static double table_factor(double cos2_half)
