@@ -26,6 +26,7 @@ static double factor(double c_min, double s)
 
 const struct lobe_kind brdffit_lobe_ashikhmin_shirley = {
     .name = "ashikhmin-shirley",
+    .title = "Ashikhmin-Shirley",
     .by_exponent = 1,
     .row = row,
     .table_kind = TABLE_ROW_SIDE,

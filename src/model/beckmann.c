@@ -18,6 +18,7 @@ static double factor(double c_min, double s)
 
 const struct lobe_kind brdffit_lobe_beckmann = {
     .name = "beckmann",
+    .title = "Beckmann",
     .row = brdffit_cook_torrance_row,
     .table_kind = TABLE_ROW_SHADOWED,
     .table_factor = brdffit_cook_torrance_table_factor,

@@ -39,6 +39,7 @@ static double factor(double c_min, double s)
 
 const struct lobe_kind brdffit_lobe_lafortune = {
     .name = "lafortune",
+    .title = "Lafortune",
     .by_exponent = 1,
     .row = row,
     .table_kind = TABLE_ROW_NONE,

@@ -35,6 +35,7 @@ static double factor(double c_min, double s)
 
 const struct lobe_kind brdffit_lobe_torrance_sparrow = {
     .name = "torrance-sparrow",
+    .title = "Torrance-Sparrow",
     .row = row,
     .table_kind = TABLE_ROW_SHADOWED,
     .table_factor = table_factor,
