@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "failure.h"
+#include "lobes.h"
 #include "shard.h"
 #include "words.h"
 
@@ -98,18 +99,38 @@ void brdffit_cli_json_skipped(struct cli_json *json, const size_t *skipped, cons
     brdffit_cli_json_close(json, '}');
 }
 
+static int any_by_exponent(const brdffit_model *model)
+{
+    int found = 0;
+    for (int p = 0; p < model->lobes; p++) {
+        found |= brdffit_cli_by_exponent(model->distributions[p]);
+    }
+    return found;
+}
+
+/* Null where a lobe is known by sigma; nothing when all are. */
+static void exponents(struct cli_json *json, const brdffit_result *result)
+{
+    if (!any_by_exponent(result->model)) {
+        return;
+    }
+    brdffit_cli_json_open(json, "exponent", '[');
+    for (int p = 0; p < result->model->lobes; p++) {
+        if (brdffit_cli_by_exponent(result->model->distributions[p])) {
+            brdffit_cli_json_number(json, NULL, result->lobe[p]->exponent);
+        } else {
+            brdffit_cli_json_null(json, NULL);
+        }
+    }
+    brdffit_cli_json_close(json, ']');
+}
+
 static void parameters(struct cli_json *json, const brdffit_result *result)
 {
     const brdffit_model *const model = result->model;
     const size_t lobes = (size_t)model->lobes;
     brdffit_cli_json_numbers(json, "sigma", model->sigma, lobes);
-    if (brdffit_cli_by_exponent(model->distribution)) {
-        brdffit_cli_json_open(json, "exponent", '[');
-        for (size_t p = 0; p < lobes; p++) {
-            brdffit_cli_json_number(json, NULL, result->lobe[p]->exponent);
-        }
-        brdffit_cli_json_close(json, ']');
-    }
+    exponents(json, result);
     brdffit_cli_json_numbers(json, "x", model->x, model->channels);
     brdffit_cli_json_open(json, "y", '[');
     for (size_t k = 0; k < model->channels; k++) {
@@ -130,13 +151,17 @@ static void parameters(struct cli_json *json, const brdffit_result *result)
 
 static void exponent_intervals(struct cli_json *json, const brdffit_result *result)
 {
-    if (!brdffit_cli_by_exponent(result->model->distribution)) {
+    if (!any_by_exponent(result->model)) {
         return;
     }
     brdffit_cli_json_open(json, "exponent_interval", '[');
     for (int p = 0; p < result->model->lobes; p++) {
         const double ends[2] = {result->lobe[p]->exponent_low, result->lobe[p]->exponent_high};
-        brdffit_cli_json_numbers(json, NULL, ends, 2);
+        if (brdffit_cli_by_exponent(result->model->distributions[p])) {
+            brdffit_cli_json_numbers(json, NULL, ends, 2);
+        } else {
+            brdffit_cli_json_null(json, NULL);
+        }
     }
     brdffit_cli_json_close(json, ']');
 }
@@ -174,12 +199,26 @@ static void lobes(struct cli_json *json, const brdffit_result *result)
     brdffit_cli_json_close(json, ']');
 }
 
+void brdffit_cli_json_lobes(struct cli_json *json, const brdffit_options *o)
+{
+    if (brdffit_cli_lobes_differ(o)) {
+        brdffit_cli_json_null(json, "distribution");
+    } else {
+        brdffit_cli_json_string(json, "distribution", brdffit_distribution_string(brdffit_cli_lobe(o, 0)));
+    }
+    brdffit_cli_json_open(json, "distributions", '[');
+    for (int p = 0; p < o->lobes; p++) {
+        brdffit_cli_json_string(json, NULL, brdffit_distribution_string(brdffit_cli_lobe(o, p)));
+    }
+    brdffit_cli_json_close(json, ']');
+}
+
 void brdffit_cli_json_options(struct cli_json *json, const brdffit_options *o)
 {
     const double exponents[2] = {o->exponent_min, o->exponent_max};
-    const int by_exponent = brdffit_cli_by_exponent(o->distribution);
-    const double range[2] = {by_exponent ? 1 / sqrt(o->exponent_max) : o->sigma_min,
-                             by_exponent ? 1 / sqrt(o->exponent_min) : o->sigma_max};
+    const int by_sigma = brdffit_cli_any_lobe_by(o, 0), by_exponent = brdffit_cli_any_lobe_by(o, 1);
+    const double range[2] = {by_sigma ? o->sigma_min : 1 / sqrt(o->exponent_max),
+                             by_sigma ? o->sigma_max : 1 / sqrt(o->exponent_min)};
     brdffit_cli_json_string(json, "normalise",
                             brdffit_cli_choice_name(brdffit_cli_normalise_choices, (int)o->normalise));
     brdffit_cli_json_numbers(json, "sigma_range", range, 2);
@@ -267,7 +306,7 @@ void brdffit_cli_json_fit(struct cli_text *text, const struct cli_job *job, cons
     if (!fitted) {
         brdffit_cli_json_error(&json, job);
     }
-    brdffit_cli_json_string(&json, "distribution", brdffit_distribution_string(fitter->options.distribution));
+    brdffit_cli_json_lobes(&json, &fitter->options);
     brdffit_cli_json_string(&json, "norm", brdffit_norm_string(fitter->options.norm));
     if (fitter->options.norm == BRDFFIT_NORM_L2) {
         brdffit_cli_json_string(&json, "engine", brdffit_engine_string(fitter->options.engine));

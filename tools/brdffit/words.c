@@ -4,7 +4,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
+
+#include "lobes.h"
 
 const char *brdffit_cli_warning_name(unsigned bit)
 {
@@ -15,16 +16,6 @@ const char *brdffit_cli_warning_name(unsigned bit)
     case BRDFFIT_WARN_AT_LIMIT: return "at_limit";
     default: return "unknown";
     }
-}
-
-int brdffit_cli_by_exponent(brdffit_distribution distribution)
-{
-    return strcmp(brdffit_parameter_string(distribution), "exponent") == 0;
-}
-
-const char *brdffit_cli_parameter(struct cli_style style, brdffit_distribution distribution)
-{
-    return brdffit_cli_by_exponent(distribution) ? "n" : brdffit_cli_glyph(style, CLI_SIGMA);
 }
 
 const char *brdffit_cli_objective(struct cli_style style, brdffit_norm norm)
@@ -80,31 +71,24 @@ void brdffit_cli_directed(struct cli_text *text, double value, int digits, int u
 
 /* ---- Certificate ------------------------------------------------------- */
 
-static const char *distribution_title(brdffit_distribution distribution)
+static void add_range(struct cli_text *text, const char *before, const char *parameter, double low, double high)
 {
-    switch (distribution) {
-    case BRDFFIT_BECKMANN: return "Beckmann";
-    case BRDFFIT_GGX: return "GGX";
-    case BRDFFIT_TORRANCE_SPARROW: return "Torrance-Sparrow";
-    case BRDFFIT_WARD: return "Ward";
-    case BRDFFIT_BLINN_PHONG: return "Blinn-Phong";
-    case BRDFFIT_ASHIKHMIN_SHIRLEY: return "Ashikhmin-Shirley";
-    case BRDFFIT_LAFORTUNE: return "Lafortune";
-    default: return "unknown";
-    }
+    brdffit_cli_text_printf(text, " %s %s in\t[%.6g,\t%.6g]", before, parameter, low, high);
 }
 
-/* "Beckmann fit with 2 lobes and σ in [1e-12, 6]", "Blinn-Phong fit with 1 lobe and n in [0.1, 1e+07]" */
-static void add_family(struct cli_text *text, struct cli_style style, const brdffit_result *result,
-                       const brdffit_options *options)
+/* "Beckmann fit with 2 lobes and σ in [1e-12, 6]", "fit of one GGX and one Blinn-Phong lobe with σ in [1e-12, 6] and n in
+ * [0.1, 1e+07]" */
+static void add_family(struct cli_text *text, struct cli_style style, const brdffit_options *options)
 {
-    const int lobes = result->model->lobes;
-    const brdffit_distribution distribution = result->model->distribution;
-    const int by_exponent = brdffit_cli_by_exponent(distribution);
-    brdffit_cli_text_printf(text, "%s fit with %d %s and %s in\t[%.6g,\t%.6g]", distribution_title(distribution), lobes,
-                            lobes == 1 ? "lobe" : "lobes", brdffit_cli_parameter(style, distribution),
-                            by_exponent ? options->exponent_min : options->sigma_min,
-                            by_exponent ? options->exponent_max : options->sigma_max);
+    const char *before = brdffit_cli_lobes_differ(options) ? "with" : "and";
+    brdffit_cli_add_family(text, options);
+    if (brdffit_cli_any_lobe_by(options, 0)) {
+        add_range(text, before, brdffit_cli_glyph(style, CLI_SIGMA), options->sigma_min, options->sigma_max);
+        before = "and";
+    }
+    if (brdffit_cli_any_lobe_by(options, 1)) {
+        add_range(text, before, "n", options->exponent_min, options->exponent_max);
+    }
 }
 
 /* Digits that show the two apart, and at least five. */
@@ -154,7 +138,7 @@ static void proven_relative(struct cli_text *text, struct cli_style style, const
         return;
     }
     brdffit_cli_text_puts(text, "no ");
-    add_family(text, style, result, options);
+    add_family(text, style, options);
     brdffit_cli_text_printf(text, " has %s%s below ", article(options->norm),
                             brdffit_cli_objective(style, options->norm));
     brdffit_cli_directed(text, result->lower_bound, digits, 0);
@@ -181,7 +165,7 @@ static void proven_absolute(struct cli_text *text, struct cli_style style, const
     }
     if (share > 0) {
         brdffit_cli_text_puts(text, "; no ");
-        add_family(text, style, result, options);
+        add_family(text, style, options);
         brdffit_cli_text_puts(text, " can lower it by more than ");
         brdffit_cli_directed(text, share, 2, 1);
         brdffit_cli_text_puts(text, options->norm == BRDFFIT_NORM_LINF ? " of that" : " of that sum");
@@ -205,8 +189,9 @@ static void add_stop(struct cli_text *text, struct cli_style style, const brdffi
         brdffit_cli_text_puts(text, " was used up");
         return;
     case BRDFFIT_STOP_MEMORY:
-        brdffit_cli_text_printf(text, "its table of %s values was full",
-                                brdffit_cli_parameter(style, result->model->distribution));
+        brdffit_cli_text_puts(text, "its table of ");
+        brdffit_cli_add_parameters(text, style, options);
+        brdffit_cli_text_puts(text, " values was full");
         return;
     case BRDFFIT_STOP_CANCELLED: brdffit_cli_text_puts(text, "it was interrupted"); return;
     default: brdffit_cli_text_puts(text, brdffit_stop_string(result->stop)); return;
@@ -231,7 +216,7 @@ static void not_proven(struct cli_text *text, struct cli_style style, const brdf
     brdffit_cli_text_puts(text, "the search stopped because ");
     add_stop(text, style, result, options);
     brdffit_cli_text_printf(text, ". The smallest %s of any ", brdffit_cli_objective(style, options->norm));
-    add_family(text, style, result, options);
+    add_family(text, style, options);
     brdffit_cli_text_puts(text, " lies between ");
     brdffit_cli_directed(text, result->lower_bound, digits, 0);
     brdffit_cli_text_puts(text, " and this fit's ");
@@ -265,14 +250,14 @@ void brdffit_cli_certificate(struct cli_text *text, struct cli_style style, cons
 
 /* "σ sits on the lower end of the range searched; lower --sigma-min." */
 static void add_at_limit(struct cli_text *words, struct cli_style style, const brdffit_lobe *lobe,
-                         const brdffit_options *options)
+                         brdffit_distribution distribution, const brdffit_options *options)
 {
-    const char *name = brdffit_parameter_string(options->distribution);
-    const int by_exponent = brdffit_cli_by_exponent(options->distribution);
+    const char *name = brdffit_parameter_string(distribution);
+    const int by_exponent = brdffit_cli_by_exponent(distribution);
     const double value = by_exponent ? lobe->exponent : lobe->sigma;
     const double low = by_exponent ? options->exponent_min : options->sigma_min;
     const double high = by_exponent ? options->exponent_max : options->sigma_max;
-    const char *parameter = brdffit_cli_parameter(style, options->distribution);
+    const char *parameter = brdffit_cli_parameter(style, distribution);
     if (value - low < high - value) {
         brdffit_cli_text_printf(words,
                                 "%s sits on the lower end of the range searched; lower "
@@ -286,10 +271,12 @@ static void add_at_limit(struct cli_text *words, struct cli_style style, const b
     }
 }
 
-static void add_warning(struct cli_text *words, struct cli_style style, const brdffit_lobe *lobe, unsigned bit,
-                        int lobes, const brdffit_options *options)
+static void add_warning(struct cli_text *words, struct cli_style style, const brdffit_result *result, int p,
+                        unsigned bit, const brdffit_options *options)
 {
-    const int by_exponent = brdffit_cli_by_exponent(options->distribution);
+    const brdffit_lobe *const lobe = result->lobe[p];
+    const brdffit_distribution distribution = result->model->distributions[p];
+    const int by_exponent = brdffit_cli_by_exponent(distribution);
     switch (bit) {
     case BRDFFIT_WARN_UNRESOLVED:
         brdffit_cli_text_puts(words, "rests on no more than ");
@@ -301,15 +288,15 @@ static void add_warning(struct cli_text *words, struct cli_style style, const br
         brdffit_cli_text_printf(words,
                                 "the data cannot tell %s inside [%.6g,\t%.6g]: any value there fits "
                                 "as well.",
-                                brdffit_cli_parameter(style, options->distribution),
+                                brdffit_cli_parameter(style, distribution),
                                 by_exponent ? lobe->exponent_low : lobe->sigma_low,
                                 by_exponent ? lobe->exponent_high : lobe->sigma_high);
         break;
     case BRDFFIT_WARN_UNUSED:
         brdffit_cli_text_printf(words, "its coefficient is 0 in every channel: %s.",
-                                lobes == 1 ? "the data show no such lobe" : "one lobe fewer fits as well");
+                                result->model->lobes == 1 ? "the data show no such lobe" : "one lobe fewer fits as well");
         break;
-    case BRDFFIT_WARN_AT_LIMIT: add_at_limit(words, style, lobe, options); break;
+    case BRDFFIT_WARN_AT_LIMIT: add_at_limit(words, style, lobe, distribution, options); break;
     default: brdffit_cli_text_printf(words, "warning %u.", bit); break;
     }
 }
@@ -326,7 +313,7 @@ void brdffit_cli_warnings(struct cli_text *text, struct cli_style style, const b
             }
             struct cli_text words = {0};
             brdffit_cli_text_printf(&words, "lobe %d: ", p + 1);
-            add_warning(&words, style, lobe, bit, result->model->lobes, options);
+            add_warning(&words, style, result, p, bit, options);
             brdffit_cli_paragraph(text, style, CLI_YELLOW, "Warning,", brdffit_cli_text_string(&words));
             text->failed |= words.failed;
             brdffit_cli_text_free(&words);

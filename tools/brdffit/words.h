@@ -9,12 +9,6 @@
 /* snake_case name of one BRDFFIT_WARN_* bit. */
 const char *brdffit_cli_warning_name(unsigned bit);
 
-/* Whether the distribution is known by its exponent n, and not by sigma. */
-int brdffit_cli_by_exponent(brdffit_distribution distribution);
-
-/* The letter of the parameter: "n" or sigma. */
-const char *brdffit_cli_parameter(struct cli_style style, brdffit_distribution distribution);
-
 /* "Proven: no Beckmann fit with 2 lobes ..." or "NOT proven: ...". */
 void brdffit_cli_certificate(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                              const brdffit_options *options);
