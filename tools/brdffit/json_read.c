@@ -65,13 +65,20 @@ static int choice_member(const cJSON *object, const char *name, const struct cli
 static const char *read_distributions(struct cli_fit *fit, const cJSON *object, size_t lobes)
 {
     const cJSON *const list = member(object, "distributions");
+    int all = CLI_UNSET;
+    if (!choice_member(object, "distribution", brdffit_cli_distribution_choices(), &all)) {
+        return "distribution";
+    }
     if (list != NULL && (!cJSON_IsArray(list) || (size_t)cJSON_GetArraySize(list) != lobes)) {
         return "distributions";
     }
     for (size_t p = 0; p < lobes; p++) {
-        const cJSON *const item = list != NULL ? cJSON_GetArrayItem(list, (int)p) : member(object, "distribution");
-        int distribution = CLI_UNSET;
-        if (!choice_item(item, brdffit_cli_distribution_choices(), &distribution) || distribution == CLI_UNSET) {
+        int distribution = list != NULL ? CLI_UNSET : all;
+        if (list != NULL &&
+            !choice_item(cJSON_GetArrayItem(list, (int)p), brdffit_cli_distribution_choices(), &distribution)) {
+            return "distributions";
+        }
+        if (distribution == CLI_UNSET || (all != CLI_UNSET && distribution != all)) {
             return list != NULL ? "distributions" : "distribution";
         }
         fit->distributions[p] = (brdffit_distribution)distribution;

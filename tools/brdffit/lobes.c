@@ -141,6 +141,9 @@ int brdffit_cli_read_names(const char *names, brdffit_distribution list[BRDFFIT_
 static void refuse(const char *command_name, const char *given, const char *bad)
 {
     struct cli_suggestion near = {0};
+    if (command_name == NULL) {
+        return;
+    }
     fprintf(stderr, "brdffit %s: --lobes does not take '%s'; valid values: 1 to %d, or up to %d names with commas:",
             command_name, given, BRDFFIT_MAX_LOBES, BRDFFIT_MAX_LOBES);
     for (const struct cli_choice *c = brdffit_cli_distribution_choices(); c->name != NULL; c++) {
@@ -162,14 +165,17 @@ int brdffit_cli_settle_lobes(struct cli_settings *s, const char *command_name)
     if (given == NULL || (given[0] >= '1' && given[0] <= '0' + BRDFFIT_MAX_LOBES && given[1] == '\0')) {
         s->lobes = given == NULL ? defaults.lobes : given[0] - '0';
         for (int p = 0; p < s->lobes; p++) {
-            s->distributions[p] =
-                s->distribution != CLI_UNSET ? (brdffit_distribution)s->distribution : defaults.distribution;
+            s->distributions[p] = s->distribution != CLI_UNSET ? (brdffit_distribution)s->distribution
+                                                               : defaults.distribution;
         }
         return 0;
     }
     s->lobes = brdffit_cli_read_names(given, s->distributions, bad);
     if (s->lobes < 1) {
         refuse(command_name, given, bad);
+        return -1;
+    }
+    if (s->distribution != CLI_UNSET && command_name == NULL) {
         return -1;
     }
     if (s->distribution != CLI_UNSET) {

@@ -40,7 +40,8 @@ void brdffit_cli_group_lobes(brdffit_distribution *list, int count);
  * many; or -1, and *bad is the one that is no distribution. */
 int brdffit_cli_read_names(const char *names, brdffit_distribution list[BRDFFIT_MAX_LOBES], char bad[32]);
 
-/* What --lobes and --distribution say together; 0, or the reason on stderr. */
+/* What --lobes and --distribution say together; 0, or the reason on stderr
+ * (not when command_name is NULL). */
 int brdffit_cli_settle_lobes(struct cli_settings *settings, const char *command_name);
 
 #endif

@@ -77,7 +77,8 @@ static double value_of(const struct writer *w, const struct field *f, size_t tex
     if (f->kind != FIELD_EXPONENT) {
         return value;
     }
-    return brdffit_cli_by_exponent(brdffit_cli_lobe(&w->map->options, (int)(at % f->width))) ? 1 / (value * value) : NAN;
+    return brdffit_cli_by_exponent(brdffit_cli_lobe(&w->map->options, (int)(at % f->width))) ? 1 / (value * value)
+                                                                                             : NAN;
 }
 
 static int load(struct writer *w, size_t tile, struct cli_map_counts *counts)

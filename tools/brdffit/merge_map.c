@@ -61,9 +61,11 @@ static int parse_lobes(struct cli_settings *s, const char *options)
     if (sscanf(options, "%127[^\n]", given) != 1) {
         return 0;
     }
-    (void)choice(options, "--distribution", brdffit_cli_distribution_choices(), &s->distribution);
+    if (given[1] == '\0' && !choice(options, "--distribution", brdffit_cli_distribution_choices(), &s->distribution)) {
+        return 0;
+    }
     s->lobes_given = given;
-    const int settled = brdffit_cli_settle_lobes(s, "merge") == 0;
+    const int settled = brdffit_cli_settle_lobes(s, NULL) == 0;
     s->lobes_given = NULL;
     return settled;
 }
@@ -72,8 +74,7 @@ static int parse_lobes(struct cli_settings *s, const char *options)
 static int parse_options(struct cli_settings *s, const char *options)
 {
     const char *const budget = after(options, "--box-budget");
-    return parse_lobes(s, options) &&
-           choice(options, "--norm", brdffit_cli_norm_choices, &s->norm) &&
+    return parse_lobes(s, options) && choice(options, "--norm", brdffit_cli_norm_choices, &s->norm) &&
            choice(options, "--normalise", brdffit_cli_normalise_choices, &s->normalise) &&
            number(options, "--sigma-min", &s->sigma_min) && number(options, "--sigma-max", &s->sigma_max) &&
            number(options, "--exponent-min", &s->exponent_min) && number(options, "--exponent-max", &s->exponent_max) &&

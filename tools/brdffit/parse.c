@@ -271,8 +271,8 @@ static enum cli_parse check_range(const struct parser *p, const char *name, doub
     const char *parameter = brdffit_parameter_string(s->distributions[0]);
     const int named = s->lobes_given != NULL && strchr("123", s->lobes_given[0]) == NULL;
     fprintf(stderr, "brdffit %s: --%s %s has no %s; its range is --%s-min to --%s-max\n", p->command_name,
-            named ? "lobes" : "distribution",
-            named ? s->lobes_given : brdffit_distribution_string(s->distributions[0]), name, parameter, parameter);
+            named ? "lobes" : "distribution", named ? s->lobes_given : brdffit_distribution_string(s->distributions[0]),
+            name, parameter, parameter);
     return CLI_PARSE_FAILED;
 }
 

@@ -106,7 +106,8 @@ static void lobe_table(struct cli_text *text, struct cli_style style, const brdf
             brdffit_cli_text_printf(text, "  %-17s", brdffit_distribution_title(distribution));
         }
         brdffit_cli_text_printf(&value, "%s%s%.8g", both ? brdffit_cli_parameter(style, distribution) : "",
-                                both ? " = " : "", brdffit_cli_by_exponent(distribution) ? lobe->exponent : lobe->sigma);
+                                both ? " = " : "",
+                                brdffit_cli_by_exponent(distribution) ? lobe->exponent : lobe->sigma);
         brdffit_cli_cell(text, style, brdffit_cli_text_string(&value), PARAMETER_WIDTH + (both ? 4 : 0));
         brdffit_cli_text_printf(text, "%8.1f %%%20.4g\n", 100 * lobe->weight, lobe->effective_samples);
         text->failed |= value.failed;

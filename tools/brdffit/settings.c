@@ -224,7 +224,7 @@ static void add_distributions(struct cli_text *text, size_t *column, int by_expo
         }
         struct cli_text word = {0};
         left--;
-        brdffit_cli_text_printf(&word, "%s%s", c->name, left == 1 ? "" : ",");
+        brdffit_cli_text_printf(&word, "%s%s", c->name, left > 1 ? "," : "");
         add_word(text, column, brdffit_cli_text_string(&word));
         if (left == 1) {
             add_word(text, column, "or");

@@ -294,7 +294,8 @@ static void add_warning(struct cli_text *words, struct cli_style style, const br
         break;
     case BRDFFIT_WARN_UNUSED:
         brdffit_cli_text_printf(words, "its coefficient is 0 in every channel: %s.",
-                                result->model->lobes == 1 ? "the data show no such lobe" : "one lobe fewer fits as well");
+                                result->model->lobes == 1 ? "the data show no such lobe"
+                                                          : "one lobe fewer fits as well");
         break;
     case BRDFFIT_WARN_AT_LIMIT: add_at_limit(words, style, lobe, distribution, options); break;
     default: brdffit_cli_text_printf(words, "warning %u.", bit); break;
