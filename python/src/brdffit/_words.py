@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from . import _lobes
+
 if TYPE_CHECKING:
     from .fit import Fit
 
-TITLES = {"beckmann": "Beckmann", "ggx": "GGX", "torrance-sparrow": "Torrance-Sparrow", "ward": "Ward",
-          "blinn-phong": "Blinn-Phong", "ashikhmin-shirley": "Ashikhmin-Shirley", "lafortune": "Lafortune"}
 OBJECTIVES = {"l2": "E²", "l1": "sum of absolute residuals", "linf": "maximum absolute residual"}
 SKIPPED = (("incidence", "lit from beyond %.6g°"), ("light_below_horizon", "with the light below the horizon"),
            ("view_below_horizon", "with the viewer below the horizon"), ("zero_weight", "of weight 0"),
@@ -26,7 +26,7 @@ SKIPPED = (("incidence", "lit from beyond %.6g°"), ("light_below_horizon", "wit
            ("cell_below_horizon", "cells beyond the hemisphere"))
 
 # Order of the members of `brdffit fit --json`.
-_MEMBERS = ("schema", "file", "status", "distribution", "norm", "engine", "lobes", "sigma", "exponent", "x", "y",
+_MEMBERS = ("schema", "file", "status", "distribution", "distributions", "norm", "engine", "lobes", "sigma", "exponent", "x", "y",
             "channel_scale", "e2", "objective", "e2_error", "lower_bound", "gap", "rms", "rms_total", "sum_of_squares",
             "kkt_residual", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
             "weight", "effective_samples", "sigma_interval", "exponent_interval", "warnings", "channels", "normalise",
@@ -59,6 +59,8 @@ def plain(fit: Fit) -> dict[str, Any]:
         if value is None and name in _ONLY_BY_EXPONENT:
             continue
         out[name] = _plain(value)
+        if name in ("exponent", "exponent_interval"):
+            out[name] = [one if by == "exponent" else None for one, by in zip(out[name], fit.parameters)]
         if name == "file" and value is not None and readable(value) != value:
             out.update(file=readable(value), file_bytes=os.fsencode(value).hex())
     if fit._merl_directions is not None:
@@ -78,18 +80,21 @@ def directed(value: float, digits: int, up: bool) -> str:
     return "%.*g" % (digits, context.create_decimal(decimal.Decimal(value)))
 
 
-def parameter(fit: Fit) -> str:
-    return "σ" if fit.exponent is None else "n"
+def parameter(fit: Fit, p: int) -> str:
+    """The letter of a lobe's."""
+    return _lobes.letter(fit.distributions[p])
 
 
-def lobes_word(fit: Fit) -> str:
-    return "%d lobe%s" % (fit.lobes, "" if fit.lobes == 1 else "s")
+def family(distributions: Sequence[str], sigma_range: Sequence[float], exponent_range: Sequence[float] | None) -> str:
+    """With the ranges of the parameters that its lobes have."""
+    ranges = {"σ": sigma_range, "n": exponent_range}
+    found = ["%s in [%.6g, %.6g]" % (letter, *ranges[letter]) for letter in sorted(  # type: ignore[misc]  # a range is there
+        {_lobes.letter(name) for name in distributions}, reverse=True)]
+    return "%s %s %s" % (_lobes.family(distributions), "and" if len(set(distributions)) == 1 else "with", " and ".join(found))
 
 
 def _family(fit: Fit) -> str:
-    low, high = fit.sigma_range if fit.exponent_range is None else fit.exponent_range
-    return "%s fit with %s and %s in [%.6g, %.6g]" % (TITLES[fit.distribution], lobes_word(fit), parameter(fit), low,
-                                                     high)
+    return family(fit.distributions, fit.sigma_range, fit.exponent_range)
 
 
 def _digits(low: float, high: float) -> int:
@@ -141,9 +146,10 @@ def warnings(fit: Fit) -> list[str]:
 
 
 def _warning(fit: Fit, p: int, word: str) -> str:
-    name = parameter(fit)
+    name = parameter(fit, p)
     values, interval, limits = (fit.sigma, fit.sigma_interval, fit.sigma_range)
-    if fit.exponent is not None and fit.exponent_interval is not None and fit.exponent_range is not None:
+    if (fit.parameters[p] == "exponent" and fit.exponent is not None and fit.exponent_interval is not None and
+            fit.exponent_range is not None):
         values, interval, limits = fit.exponent, fit.exponent_interval, fit.exponent_range
     if word == "unresolved":
         return ("rests on no more than %s effective samples: these directions do not resolve it, and it is a fit to "
@@ -174,15 +180,17 @@ def skipped(fit: Fit) -> str:
 
 def title(fit: Fit) -> str:
     name = "" if fit.file is None else "%s: " % readable(fit.file)
-    return "%s%s fit with %s, %s samples used" % (name, TITLES[fit.distribution], lobes_word(fit),
-                                                  format(fit.samples_used, ","))
+    words = _lobes.family(fit.distributions)
+    return "%s%s, %s samples used" % (name, words if name else words[0].upper() + words[1:], format(fit.samples_used, ","))
 
 
 def lobe_table(fit: Fit) -> list[list[str]]:
-    values = fit.sigma if fit.exponent is None else fit.exponent
-    rows = [["lobe", parameter(fit), "share w", "effective samples"]]
-    for p in range(fit.lobes):
-        rows.append([str(p + 1), "%.8g" % values[p], "%.1f %%" % (100 * fit.weight[p]),
+    differ, both = len(set(fit.distributions)) > 1, len(set(fit.parameters)) > 1
+    rows = [["lobe", *(["distribution"] if differ else []), "parameter" if both else parameter(fit, 0), "share w",
+             "effective samples"]]
+    for p, value in enumerate(fit.values):
+        rows.append([str(p + 1), *([_lobes.title(fit.distributions[p])] if differ else []),
+                     "%s%.8g" % (parameter(fit, p) + " = " if both else "", value), "%.1f %%" % (100 * fit.weight[p]),
                      "%.1f" % fit.effective_samples[p]])
     return rows
 

@@ -57,7 +57,7 @@ def read(path: Path, kind: str | None = None, *, quantity: str | None = None, di
 
 
 def _members(table: structs.Table, owner: _Table, name: str) -> dict[str, Any]:
-    data = table.samples
+    data = table.samples.contents
     count, channels = data.count, data.channels
     merl = structs.FORMAT[table.format] == "merl"
     return {
