@@ -88,7 +88,7 @@ def test_exit_codes(instruments, tmp_path, capsys):
     assert report.main([*out, good, str(tmp_path / "absent.csv")]) == 1
     assert "absent.csv" in capsys.readouterr().err and "absent.csv" in (tmp_path / "out" / "index.html").read_text()
     with pytest.raises(SystemExit) as caught:
-        report.main([*out, "--lobes", "3", good])
+        report.main([*out, "--lobes", "4", good])
     assert caught.value.code == 2
 
 

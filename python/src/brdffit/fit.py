@@ -175,6 +175,9 @@ class Fit(Frozen):
         channels, lobes = len(self.channels), self.lobes
         if lobes not in range(1, _lobes.MOST + 1):
             raise DataError("a fit has 1 to %d lobes, not %r" % (_lobes.MOST, lobes), code="format")
+        if self.distribution is not None and set(self.distributions) != {self.distribution}:
+            raise DataError("distribution %r and distributions %r do not say the same" % (
+                self.distribution, self.distributions), code="format")
         if len(self.distributions) != lobes:
             raise DataError("distributions of a fit of %s must be as many, not %r" % (
                 _lobes.count_word(lobes), self.distributions), code="format")

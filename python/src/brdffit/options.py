@@ -109,7 +109,8 @@ class Options:
         names = self.distributions
         alike = len(set(names)) == 1
         return self.replace(
-            lobes=int(c.lobes) if alike else names, distribution=names[0] if alike else None, sigma_range=(c.sigma_min, c.sigma_max), exponent_range=(c.exponent_min, c.exponent_max),
+            lobes=int(c.lobes) if alike else names, distribution=names[0] if alike else None,
+            sigma_range=(c.sigma_min, c.sigma_max), exponent_range=(c.exponent_min, c.exponent_max),
             relative_gap=c.relative_gap, absolute_gap=c.absolute_gap, sigma_resolution=c.sigma_resolution,
             box_budget=int(c.box_budget), max_incidence=c.max_incidence, socp_every_box=bool(c.socp_every_box))
 

@@ -38,7 +38,8 @@ class BRDFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # sci
     """
 
     def __init__(self, *, features: Features = "directions", quantity: str = "brdf",
-                 lobes: int | Sequence[str] = 1, distribution: str | None = None, norm: str = "l2", engine: str = "moment", normalise: str = "max",
+                 lobes: int | Sequence[str] = 1, distribution: str | None = None, norm: str = "l2", engine: str = "moment",
+                 normalise: str = "max",
                  sigma_range: tuple[float, float] = (1e-12, 6.0), exponent_range: tuple[float, float] = (0.1, 1e7),
                  relative_gap: float = 1e-3, absolute_gap: float = 1e-12, box_budget: int = 1_000_000,
                  max_incidence: float = 60.0) -> None:

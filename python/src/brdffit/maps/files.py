@@ -45,8 +45,9 @@ def describe(fits: FitMap) -> dict[str, Any]:
     o = fits.options
     ranges = {"sigma_range": o.sigma_searched, **({"exponent_range": o.exponent_range} if "exponent" in o.parameters else {})}
     names = list(o.distributions)
+    one = names[0] if len(set(names)) == 1 else None
     return {"schema": SCHEMA, "version": __version__, "samples": fits.samples, **size, "channels": fits.channels,
-            "lobes": fits.lobes, "distribution": names[0] if len(set(names)) == 1 else None, "distributions": names, "norm": o.norm, "normalise": o.normalise,
+            "lobes": fits.lobes, "distribution": one, "distributions": names, "norm": o.norm, "normalise": o.normalise,
             **{name: list(ends) for name, ends in ranges.items()}, **{name: getattr(o, name) for name in _ASKED},
             "quantity": fits.quantity,
             "status": {str(STATUS.index(name)): name for name in known},

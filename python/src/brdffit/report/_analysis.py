@@ -4,7 +4,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -209,7 +209,8 @@ def objective(material: Material, sigma: Floats | Sequence[Floats], lobes: int) 
     s, fit = material.samples, material.fits[lobes]
     grids = [sigma] * lobes if isinstance(sigma, np.ndarray) else list(sigma)
     # Lobes of a distribution share their columns, behind the diffuse one.
-    first, wanted = [0] * lobes, []
+    first = [0] * lobes
+    wanted: list[tuple[str, float]] = []
     for name, same in _lobes.kinds(fit.distributions):
         for p in range(same.start, same.stop):
             first[p] = 1 + len(wanted)
@@ -317,23 +318,22 @@ def near_optimal(samples: Samples, options: Options, fit: Fit, boxes: Boxes, lea
             first, last = same.start, same.stop - 1
             by = fit.parameters[first]
             if fit.parameters.count(by) == same.stop - same.start:
-                shrink = functools.partial(_shrink, samples, options, level, by)
-                least, most = sigma_limits(fit, first)
-                low, high = out[first], out[last]
-                out[last] = (shrink(high[0], float(fit.sigma[last]), lambda x, least=least: (least, x)), high[1])
-                out[first] = (out[first][0], shrink(low[1], float(fit.sigma[first]), lambda x, most=most: (x, most)))
+                shrink = functools.partial(_shrink, samples, options, level, by, sigma_limits(fit, first))
+                out[last] = (shrink(out[last][0], float(fit.sigma[last])), out[last][1])
+                out[first] = (out[first][0], shrink(out[first][1], float(fit.sigma[first])))
     return share, out
 
 
-def _shrink(samples: Samples, options: Options, level: float, by: str, end: float, inside: float,
-            beyond: Callable[[float], tuple[float, float]]) -> float:
+def _shrink(samples: Samples, options: Options, level: float, by: str, limits: tuple[float, float], end: float,
+            inside: float) -> float:
     """`end`, moved towards `inside` as far as the range beyond it is proven to hold nothing below `level`. by: the parameter
-    whose range that is."""
+    whose range that is; limits: in terms of sigma"""
+    below = end < inside
     members = {f.name: getattr(options, f.name) for f in dataclasses.fields(options)}
     members["box_budget"] = min(options.box_budget, 10000)
     for _ in range(12):
         middle = float(np.sqrt(end * inside))
-        low, high = beyond(middle)
+        low, high = (limits[0], middle) if below else (middle, limits[1])
         if not high > low > 0:
             break
         if by == "exponent":  # a little more than the range, so that rounding leaves nothing out

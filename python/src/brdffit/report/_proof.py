@@ -144,8 +144,8 @@ def box_map(material: Material) -> Figure:
     if alike:
         image[..., 3][(j > size - 1 - i)] = 0
     axis_x, axis_y = (_axis(fit, p, float(edge[0]), float(edge[-1])) for p, edge in enumerate(edges))
-    plot = Plot(axis_x, axis_y, *("%s of the %s" % (_words.parameter(fit, p), lobe) for p, lobe in enumerate(
-        _lobes.each_lobe(fit.distributions))), "Map of the boxes that the search visited", height)
+    titles = ["%s of the %s" % (_words.parameter(fit, p), lobe) for p, lobe in enumerate(_lobes.each_lobe(fit.distributions))]
+    plot = Plot(axis_x, axis_y, titles[0], titles[1], "Map of the boxes that the search visited", height)
     plot.raw(_image(image, LEFT, TOP, WIDTH - LEFT - RIGHT, height - TOP - BOTTOM))
     half = "Z" if alike else "V%sZ" % number(height - BOTTOM)
     plot.raw("<clipPath id='half'><path d='M%s %sV%sH%s%s'/></clipPath><path class='boxes' clip-path='url(#half)' d='%s'/>" % (
