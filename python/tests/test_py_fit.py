@@ -62,7 +62,8 @@ def test_reads_its_own_lines_and_so_does_the_command_line(instruments, tmp_path)
 
 @pytest.mark.parametrize("change", [{"y": [[0.1]]}, {"y": [0.1, 0.2, 0.3]}, {"x": [1.0]}, {"sigma": [0.1, 0.2]}, {"lobes": 2},
                                     {"lobes": 4}, {"distribution": "phong"}, {"channels": ["r"]},
-                                    {"distributions": ["beckmann"] * 2}, {"distributions": ["ggx"]}, {"distributions": ["phong"]}], ids=str)
+                                    {"distributions": ["beckmann"] * 2}, {"distributions": ["ggx"]},
+                                    {"distributions": ["phong"]}], ids=str)
 def test_fits_that_do_not_hold_together(change):
     """C would read past the end of what is too short."""
     fit = brdffit.fit(brdffit.Samples.example())
