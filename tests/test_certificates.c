@@ -106,7 +106,7 @@ static void try_file(const char *name, const brdffit_distribution *distributions
     for (j = 0; j < count; j++) {
         struct fit_question q;
 
-        fit_question_init(&q, &table->samples, 1, distributions[j]);
+        fit_question_init(&q, table->samples, 1, distributions[j]);
         every_way(&tally, &q);
     }
     brdffit_io_free(table);
@@ -140,7 +140,7 @@ static void test_mem_stop_is_certified(void **state)
     struct fit_view view;
 
     (void)state;
-    fit_question_init(&q, &table->samples, 1, BRDFFIT_BECKMANN);
+    fit_question_init(&q, table->samples, 1, BRDFFIT_BECKMANN);
     q.options.normalise = BRDFFIT_NORMALISE_NONE;
     fit_view_new(&view, &q);
     assert_int_equal(view.status, BRDFFIT_OK);
@@ -163,7 +163,7 @@ static void test_snap_eval_narrowest(void **state)
     for (i = 0; i < 3; i++) {
         struct fit_question q;
 
-        fit_question_init(&q, &table->samples, 1, BRDFFIT_BECKMANN);
+        fit_question_init(&q, table->samples, 1, BRDFFIT_BECKMANN);
         q.options.sigma_max = high[i];
         every_way(&tally, &q);
     }
@@ -182,7 +182,7 @@ static void test_lafortune(void **state)
     for (i = 0; i < 3; i++) {
         struct fit_question q;
 
-        fit_question_init(&q, &table->samples, 1, BRDFFIT_LAFORTUNE);
+        fit_question_init(&q, table->samples, 1, BRDFFIT_LAFORTUNE);
         q.options.exponent_min = least[i];
         every_way(&tally, &q);
     }

@@ -38,10 +38,10 @@
 #define WINDOW 0.375
 /*
  * Largest c_min s, but for the scale of b: models with finite y, all that a fit looks at (domain.c), lie below,
- * because LIMIT_EXPONENT - ln(|I| / scale_b) + ln(H) / 2 does for all data that tiles take (tile.c: |I| >= 1e-130).
- * What is proven beyond does no harm.
+ * because LIMIT_EXPONENT - ln(|I| / scale_b) + ln(lambda^2 H) / 2 does for all data that tiles take (tile.c: |I| >=
+ * 1e-130, and lambda <= 1e24). What is proven beyond does no harm.
  */
-#define MOST_EXPONENT 1000.0
+#define MOST_EXPONENT 1100.0
 
 int brdffit_batch_fast_possible(const brdffit_options *o)
 {
@@ -208,8 +208,10 @@ int brdffit_batch_fast_start(struct batch_fast *f, const brdffit_samples *geomet
         r->distinct > MOST_DISTINCT || r->distinct < 2 || r->used > MOST_SAMPLES || !(table->bb[0] > 0.0)) {
         return 0;
     }
-    theta_low = kind->by_exponent ? kernel_log(o->exponent_min) : -2.0 * kernel_log(o->sigma_max);
-    theta_high = kind->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min);
+    theta_low = brdffit_fit_outwards(kind->by_exponent ? kernel_log(o->exponent_min) : -2.0 * kernel_log(o->sigma_max),
+                                     -1.0);
+    theta_high = brdffit_fit_outwards(kind->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min),
+                                      1.0);
     tail = kind->tail(table->c, table->bb, r->distinct, table->c_min);
     if (!(tail > 0.0 && isfinite(tail))) {
         return 0;

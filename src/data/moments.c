@@ -23,7 +23,7 @@ static size_t kept(const struct lobe_kind *kind)
 static void layout_kind(struct kind_moments *m, struct arena *arena, size_t stride, size_t channels, uint32_t nodes)
 {
     m->node = brdffit_arena_take(arena, nodes, sizeof *m->node);
-    m->ready = brdffit_arena_take(arena, nodes, 1);
+    marks_layout(&m->ready, arena, nodes);
     m->tau_pool = brdffit_arena_take(arena, nodes, channels * sizeof(double));
     m->functional_pool = brdffit_arena_take(arena, nodes, (1 + 2 * channels) * sizeof(struct functional));
     m->phi_doubles = shape_doubles(stride * kept(m->kind), nodes);
@@ -69,7 +69,7 @@ void brdffit_moments_start(struct moments *m, const struct reduced *data, const 
     }
     for (i = 0; i < m->kinds; i++) {
         m->kind[i].table = &data->table[m->kind[i].geometry];
-        memset(m->kind[i].ready, 0, m->capacity + SCRATCH_NODES);
+        marks_start(&m->kind[i].ready);
     }
     if (m->cache) {
         memset(m->cache, 0xff, PAIR_CACHE * sizeof *m->cache);
@@ -188,10 +188,9 @@ const struct node *brdffit_moments_node(struct moments *m, int kind, uint32_t in
     const double *phi, *x, *slope;
     double u[3];
 
-    if (own->ready[index]) {
+    if (index < m->capacity && marks_set(&own->ready, index)) {
         return node;
     }
-    own->ready[index] = 1;
     m->evaluated++;
     own->kind->variable(own->table->c_min, theta, u);
     node->u = u[0];
@@ -246,7 +245,6 @@ void brdffit_moments_fill_pair(struct moments *m, const struct couple *at, struc
 
 const struct node *brdffit_moments_scratch(struct moments *m, int kind, uint32_t slot, double theta)
 {
-    m->kind[kind].ready[m->capacity + slot] = 0;
     return brdffit_moments_node(m, kind, m->capacity + slot, theta);
 }
 

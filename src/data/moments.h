@@ -14,6 +14,7 @@
 #include <stdint.h>
 
 #include "base/arena.h"
+#include "base/marks.h"
 #include "kernels/kernels.h"
 #include "data/reduce.h"
 #include "model/model.h"
@@ -46,7 +47,7 @@ struct kind_moments {
     const struct table *table;
     int geometry;
     struct node *node;
-    unsigned char *ready;
+    struct marks ready;
     double *tau_pool, *phi_pool;
     size_t phi_doubles; /* of phi_pool */
     struct functional *functional_pool;

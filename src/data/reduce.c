@@ -167,10 +167,23 @@ brdffit_status brdffit_reduce_channel_scales(struct reduced *r, const brdffit_op
     return BRDFFIT_OK;
 }
 
-/* What a sample of weight w (relative to scale_w) is multiplied by. */
-static double root_of(double w, brdffit_norm norm)
+/* What a sample of weight w is multiplied by. A subnormal w has a root with all its digits, and w / scale_w has not. */
+static double root_of(double w, double scale_w, brdffit_norm norm)
 {
-    return norm == BRDFFIT_NORM_LINF ? 1.0 : norm == BRDFFIT_NORM_L1 ? w : sqrt(w);
+    return norm == BRDFFIT_NORM_LINF ? 1.0 : norm == BRDFFIT_NORM_L1 ? w / scale_w : sqrt(w) / sqrt(scale_w);
+}
+
+/* A power of four near the largest weight, so that its root is a power of two; weights of at most 1 stay what they are. */
+static double weight_scale(double largest)
+{
+    int exponent;
+
+    if (largest > 0.25 && largest <= 1.0) {
+        return 1.0;
+    }
+    (void)frexp(power_of_two(largest), &exponent);
+    exponent -= 1; /* of the power of two itself */
+    return ldexp(1.0, exponent + (exponent % 2 != 0));
 }
 
 /* Divide v by a power of two that brings its largest entry to about 1; *scale takes it up, as far as a double holds it. */
@@ -221,7 +234,7 @@ static brdffit_status finish_table(const struct reduced *r, struct table *t, con
     return BRDFFIT_OK;
 }
 
-/* Roots of the weights relative to scale_w, or NULL; in the scratch of the rows. */
+/* Roots of the weights over scale_w, or NULL; in the scratch of the rows. */
 static const double *roots_of(struct reduced *r, const brdffit_samples *s, brdffit_norm norm)
 {
     double *root = r->row_square;
@@ -234,9 +247,9 @@ static const double *roots_of(struct reduced *r, const brdffit_samples *s, brdff
     for (j = 0; j < r->used; j++) {
         root[j] = s->weights[r->sample[j]];
     }
-    r->scale_w = power_of_two(vector_largest(root, r->used));
+    r->scale_w = weight_scale(vector_largest(root, r->used));
     for (j = 0; j < r->used; j++) {
-        root[j] = root_of(root[j] / r->scale_w, norm);
+        root[j] = root_of(root[j], r->scale_w, norm);
         r->sample_factor[j] *= root[j];
     }
     return root;

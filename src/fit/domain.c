@@ -2,13 +2,18 @@
  * The domain of a search: theta = ln s over the options' range, cut where nothing changes any more (theory 4.1) and
  * where no finite coefficient exists. SPDX-License-Identifier: MIT
  *
- * y = z |I| / (|g| factor(s)) with factor = lambda(s) phi(s, c_min), which underflows for a lobe so narrow that no
+ * y = z |I| / (|g| factor(s)) with factor = lambda(s) phi(s, c_min), which vanishes for a lobe so narrow that no
  * sample sees it. Models whose y no double can hold are not models that a caller could be given, so they are outside
  * of the domain (brdffit.h says so); where no lobe of the range has a finite y, the diffuse term is all there is.
+ *
+ * What is claimed is about sigma (the exponent) in a closed range of doubles, and theta is their rounded logarithm: so
+ * the range of theta is wider on each side than what rounding can do to either (TOL_END). A point of the search may be
+ * outside of the claim by as much; the sigma that is published is not, and the result's e2 is that of the latter.
  */
 #include <math.h>
 
 #include "fit/fit.h"
+#include "fit/published.h"
 #include "base/exp.h"
 #include "base/log.h"
 #include "base/tolerance.h"
@@ -35,11 +40,11 @@ static double data_exponent(const struct view *v)
     return largest + kernel_log(data->value_scale) - kernel_log(v->table->scale_b);
 }
 
-/* Whether every y of a lobe at theta is a finite double. */
+/* Whether every y of a lobe at theta is a finite double; `exponent` from data_exponent(). */
 static int finite_y(const struct view *v, double theta, double exponent)
 {
     const struct reduced *data = &v->fit->data;
-    double u[3], h = 0.0, *phi = v->fit->varpro.phi;
+    double u[3], h = 0.0, s = kernel_exp(theta), *phi = v->fit->varpro.phi;
     size_t j;
 
     v->kind->variable(v->table->c_min, theta, u);
@@ -47,7 +52,8 @@ static int finite_y(const struct view *v, double theta, double exponent)
     for (j = 0; j < data->distinct; j++) {
         h += v->table->bb[j] * (phi[j] * phi[j]);
     }
-    return exponent - 0.5 * kernel_log(h) + v->kind->exponent(v->table->c_min, kernel_exp(theta)) <= LIMIT_EXPONENT;
+    exponent += v->kind->exponent(v->table->c_min, s) - 0.5 * kernel_log(h) - kernel_log(v->kind->lambda(s));
+    return h > 0.0 && exponent <= LIMIT_EXPONENT;
 }
 
 /* Largest theta of the range with finite y, by bisection; minus infinity when there is none. */
@@ -101,11 +107,19 @@ static void drop_lobes(const struct view *v)
     }
 }
 
-/* The range that the options ask of a kind. */
+double brdffit_fit_outwards(double theta, double steps)
+{
+    return theta + steps * TOL_END * TOL_UNIT * (1.0 + fabs(theta));
+}
+
+/* The range that the options ask of a kind, both ends outwards. */
 static void asked_range(const struct lobe_kind *kind, const brdffit_options *o, struct domain *d)
 {
-    d->low = kind->by_exponent ? kernel_log(o->exponent_min) : -2.0 * kernel_log(o->sigma_max);
-    d->tail = kind->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min);
+    double low = kind->by_exponent ? kernel_log(o->exponent_min) : -2.0 * kernel_log(o->sigma_max);
+    double high = kind->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min);
+
+    d->low = brdffit_fit_outwards(low, -1.0);
+    d->tail = brdffit_fit_outwards(high, 1.0);
     d->flat = d->tail;
     d->high = d->low;
 }
@@ -133,7 +147,9 @@ static void prepare_kind(const struct view *v, const brdffit_options *o, struct 
     if (d->flat < d->low) {
         drop_lobes(v); /* and d->flat stays below: there is no lobe */
     } else if (tail > 0.0) {
-        d->high = fmax(d->low, fmin(d->flat, isfinite(tail) ? kernel_log(tail) : INFINITY));
+        double end = d->flat < d->tail ? brdffit_fit_outwards(d->flat, 1.0) : d->tail;
+
+        d->high = fmax(d->low, fmin(end, isfinite(tail) ? kernel_log(tail) : INFINITY));
     }
 }
 
@@ -144,6 +160,7 @@ void brdffit_fit_prepare(struct fit *f, const brdffit_options *o)
     f->norm = o->norm;
     f->varpro.kernels = brdffit_kernels(o->isa);
     f->varpro.data = &f->data;
+    f->triangle_error = o->norm == BRDFFIT_NORM_L2 && f->rows_error == 0.0 ? brdffit_fit_triangle_error(&f->data) : 0.0;
     for (kind = 0; kind < f->model.kinds; kind++) {
         const struct view v = {f, f->model.kind[kind], &f->data.table[f->model.geometry[kind]]};
 

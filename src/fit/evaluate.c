@@ -39,8 +39,12 @@ static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
     return BRDFFIT_OK;
 }
 
-/* Lobe p at a direction, whose geometry for the model's first lobe is given. */
-static double lobe_at(const brdffit_model *m, int p, const struct geometry *first, int coefficients)
+/*
+ * b lambda(s) phi(s, c) of lobe p at a direction, whose geometry for the model's first lobe is given. s is that of the
+ * model's sigma to twice the digits, as in published.c, so that values are within some 30 u of the model as it is written.
+ */
+static struct wide lobe_at(const brdffit_model *m, int p, struct twofold s, const struct geometry *first,
+                           int coefficients)
 {
     const struct lobe_kind *kind = brdffit_lobe_kind_of(distribution_of(m, p));
     struct geometry g = *first;
@@ -48,22 +52,24 @@ static double lobe_at(const brdffit_model *m, int p, const struct geometry *firs
     if (!coefficients && kind->row != brdffit_lobe_kind_of(distribution_of(m, 0))->row) {
         kind->row(&first->angles, &g);
     }
-    return g.b * kind->evaluate(1.0 / (m->sigma[p] * m->sigma[p]), g.c);
+    return wide_times(wide_of(g.b), brdffit_lobe_factor(kind, s, g.c));
 }
 
-static void eval_one(const brdffit_model *m, const struct geometry *g, int coefficients, double divisor, double *out)
+/* y may be as large as a double gets where phi is as small: neither may vanish or overflow on the way. */
+static void eval_one(const brdffit_model *m, const struct twofold *s, const struct geometry *g, int coefficients,
+                     double divisor, double *out)
 {
-    double lobe[BRDFFIT_MAX_LOBES];
+    struct wide lobe[BRDFFIT_MAX_LOBES];
     size_t k, lobes = (size_t)m->lobes, p;
 
     for (p = 0; p < lobes; p++) {
-        lobe[p] = lobe_at(m, (int)p, g, coefficients);
+        lobe[p] = lobe_at(m, (int)p, s[p], g, coefficients);
     }
     for (k = 0; k < m->channels; k++) {
         double value = g->a * m->x[k];
 
         for (p = 0; p < lobes; p++) {
-            value += m->y[k * lobes + p] * lobe[p];
+            value += wide_value(wide_times(wide_of(m->y[k * lobes + p]), lobe[p]));
         }
         out[k] = value / divisor;
     }
@@ -73,8 +79,10 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
                                 brdffit_error *error)
 {
     brdffit_status status = check_model(model, error);
+    struct twofold s[BRDFFIT_MAX_LOBES];
     brdffit_samples places;
     size_t i, k;
+    int p;
 
     if (status == BRDFFIT_OK) {
         status = brdffit_geometry_check(at, 0, error);
@@ -84,6 +92,9 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
     }
     if (!out && at->count) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "out is NULL");
+    }
+    for (p = 0; p < model->lobes; p++) {
+        s[p] = twofold_inverse_square(model->sigma[p]);
     }
     places = *at;
     places.weights = NULL; /* not read: every direction is evaluated */
@@ -100,7 +111,7 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
             }
             continue;
         }
-        eval_one(model, &g, at->form == BRDFFIT_FORM_COEFFICIENTS,
+        eval_one(model, s, &g, at->form == BRDFFIT_FORM_COEFFICIENTS,
                  at->quantity == BRDFFIT_QUANTITY_BRDF ? g.cos_light : 1.0, out + i * model->channels);
     }
     return BRDFFIT_OK;

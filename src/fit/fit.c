@@ -5,6 +5,8 @@
 
 #include <math.h>
 
+#include "fit/published.h"
+
 #include "base/error.h"
 #include "model/geometry.h"
 #include "base/tolerance.h"
@@ -48,6 +50,16 @@ static int report_reduced(const struct fit *f, const brdffit_options *o)
     return o->progress(o->progress_user, &p) != 0;
 }
 
+/* The engine's point with an objective that its published model will not exceed: what is closed against it stays so. */
+static double try_published(void *self, struct point *point)
+{
+    struct fit *f = self;
+    double objective = f->try_point(f, point);
+
+    f->least = fmin(f->least, objective);
+    return objective + brdffit_fit_allowance(f, objective);
+}
+
 /* Everything up to the first box: domain, partition, engine, rules. The engine is to be finished after success. */
 brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct engine *engine,
                                  struct search_rules *rules, brdffit_error *error)
@@ -58,7 +70,10 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
     rules->cancelled = report_reduced(f, o);
     brdffit_fit_prepare(f, o);
     for (kind = 0; kind < f->model.kinds; kind++) {
-        brdffit_axis_start(&f->axis[kind], f->domain[kind].low, f->domain[kind].high, first_intervals(&f->model, o));
+        const struct domain *d = &f->domain[kind];
+        int point = d->high <= brdffit_fit_outwards(d->low, 4.0); /* one roughness, and what rounding may make of it */
+
+        brdffit_axis_start(&f->axis[kind], d->low, d->high, point ? 1 : first_intervals(&f->model, o));
     }
     status = brdffit_fit_engine_start(f, o, engine);
     if (status != BRDFFIT_OK) {
@@ -67,6 +82,9 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
                                 ? "norms l1 and linf and engine socp need ECOS, which this build is without"
                                 : "ECOS could not set up its solver");
     }
+    f->try_point = engine->try_point;
+    f->least = INFINITY;
+    engine->try_point = try_published;
     rules->relative_gap = o->relative_gap;
     rules->absolute_gap = o->absolute_gap * f->data.total;
     rules->sigma_resolution = o->sigma_resolution;

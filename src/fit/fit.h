@@ -59,6 +59,11 @@ struct fit {
     struct domain domain[KINDS_MOST];
     struct handout *handout;
     double *x, *y, *rms; /* K, K x P, K: the result's arrays */
+    double rows_error; /* how far E^2 of the rows may be from that of the samples, relative to the total: 0, but of
+                              sums */
+    double triangle_error; /* brdffit_fit_triangle_error() */
+    double least; /* smallest objective met, exact */
+    double (*try_point)(void *fit, struct point *point); /* the engine's */
     struct observer observer;
 };
 
@@ -98,6 +103,9 @@ double brdffit_fit_scale(const struct reduced *data, const brdffit_options *opti
  */
 void brdffit_fit_prepare(struct fit *fit, const brdffit_options *options);
 
+/* A coordinate that is an end of what is claimed, moved up by `steps` times what rounding may have done to it. */
+double brdffit_fit_outwards(double theta, double steps);
+
 /* Make the engine that the options name, after brdffit_fit_prepare(); finish releases what engine socp allocated. */
 brdffit_status brdffit_fit_engine_start(struct fit *fit, const brdffit_options *options, struct engine *engine);
 void brdffit_fit_engine_finish(struct fit *fit, const brdffit_options *options);
@@ -114,6 +122,10 @@ void brdffit_fit_evaluate(struct fit *fit, const struct point *at, int prove, st
 /* Fill fit->handout from the outcome of a search; objective_scale turns its objective into the caller's units. */
 void brdffit_report(struct fit *fit, const brdffit_options *options, double objective_scale,
                     const struct search_result *found);
+
+/* Stop, certified, lower_bound and gap of a result, from its e2, e2_error, sum_of_squares and what was in stop and
+ * lower_bound so far: to be called last, and again when a number has changed. */
+void brdffit_fit_judge(const brdffit_options *options, brdffit_result *result);
 
 /* The public functions of whole structures, in the floating-point environment as it is (entry.c calls them). */
 ENVIRONMENT_APART size_t brdffit_fit_workspace(size_t count, size_t channels, const brdffit_options *options);

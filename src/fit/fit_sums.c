@@ -111,14 +111,15 @@ brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_opti
     }
     if (status == BRDFFIT_OK) {
         inner = *options;
+        fit.rows_error = 9.0 * TOL_GRAM * TOL_UNIT;
         inner.relative_gap *= sums->bits ? 0.5 : 1.0; /* the other half is for the bins */
         status = brdffit_fit_finish(&fit, &inner, error);
     }
+    if (status == BRDFFIT_OK && sums->bits) {
+        brdffit_sums_remainder(sums, options, &fit.handout->result);
+        brdffit_fit_judge(options, &fit.handout->result);
+    }
     if (status == BRDFFIT_OK) {
-        fit.handout->result.e2_error = 9.0 * TOL_GRAM * TOL_UNIT * fit.handout->result.sum_of_squares;
-        if (sums->bits) {
-            brdffit_sums_remainder(sums, options, &fit.handout->result);
-        }
         *result = &fit.handout->result;
     }
     return status;

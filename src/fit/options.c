@@ -139,6 +139,7 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
     if (arena->failed) {
         return;
     }
+    f->rows_error = 0.0;
     f->handout = brdffit_arena_take(arena, 1, sizeof *f->handout);
     f->x = ARENA_DOUBLES(arena, channels);
     f->y = brdffit_arena_take(arena, channels, (size_t)o->lobes * sizeof(double));

@@ -5,6 +5,8 @@
 #include <math.h>
 
 #include "fit/fit.h"
+#include "fit/published.h"
+#include "fit/verdict.h"
 #include "base/exp.h"
 #include "base/intake.h"
 #include "base/tolerance.h"
@@ -14,12 +16,30 @@ static double clamp(double value, double low, double high)
     return value < low ? low : value > high ? high : value;
 }
 
+/* What is claimed ends at `flat`, and the search a little beyond (domain.c). */
+static double claimed(const struct domain *d, double theta)
+{
+    return d->flat >= d->low && theta > d->flat ? d->flat : theta;
+}
+
+/* Whether theta is an end of the options' range to rounding: those ends were moved outwards by that (domain.c). */
+static int at_low_end(const struct domain *d, double theta)
+{
+    return theta <= brdffit_fit_outwards(d->low, 2.0);
+}
+
+static int at_high_end(const struct domain *d, double theta)
+{
+    return theta >= brdffit_fit_outwards(d->tail, -2.0);
+}
+
 /* The exponent n = s of theta: the options' own number at an end of the range, and never outside of it. */
 static double exponent_of(const struct fit *f, int kind, double theta, const brdffit_options *o)
 {
-    return theta <= f->domain[kind].low    ? o->exponent_min
-           : theta >= f->domain[kind].tail ? o->exponent_max
-                                           : clamp(kernel_exp(theta), o->exponent_min, o->exponent_max);
+    theta = claimed(&f->domain[kind], theta);
+    return at_low_end(&f->domain[kind], theta)    ? o->exponent_min
+           : at_high_end(&f->domain[kind], theta) ? o->exponent_max
+                                                  : clamp(kernel_exp(theta), o->exponent_min, o->exponent_max);
 }
 
 double brdffit_fit_sigma(const struct fit *f, int kind, double theta, const brdffit_options *o)
@@ -27,9 +47,10 @@ double brdffit_fit_sigma(const struct fit *f, int kind, double theta, const brdf
     if (f->model.kind[kind]->by_exponent) {
         return 1.0 / sqrt(exponent_of(f, kind, theta, o));
     }
-    return theta <= f->domain[kind].low    ? o->sigma_max
-           : theta >= f->domain[kind].tail ? o->sigma_min
-                                           : clamp(kernel_exp(-0.5 * theta), o->sigma_min, o->sigma_max);
+    theta = claimed(&f->domain[kind], theta);
+    return at_low_end(&f->domain[kind], theta)    ? o->sigma_max
+           : at_high_end(&f->domain[kind], theta) ? o->sigma_min
+                                                  : clamp(kernel_exp(-0.5 * theta), o->sigma_min, o->sigma_max);
 }
 
 static double objective_at(struct fit *f, struct point at, int p, double theta)
@@ -140,65 +161,10 @@ static void describe_lobe(struct fit *f, const struct point *at, int p, int flat
     }
     if (high > at->theta[p]) {
         lobe->warnings |= BRDFFIT_WARN_FLAT;
-    } else if (at->theta[p] <= d->low || at->theta[p] >= d->tail) {
+    } else if (at_low_end(d, at->theta[p]) || at_high_end(d, at->theta[p])) {
         lobe->warnings |= BRDFFIT_WARN_AT_LIMIT;
     }
     publish_roughness(f, f->model.lobe[p].kind, at->theta[p], high, o, lobe);
-}
-
-/* N_eff = (sum g^2)^2 / sum g^4 over samples. */
-static double effective_samples(struct fit *f, int p, double theta)
-{
-    const struct lobe_kind *kind = model_kind(&f->model, p);
-    const struct table *t = varpro_table(&f->varpro, p);
-    double u[3], h = 0.0, sum = 0.0, *phi = f->varpro.phi;
-    size_t j;
-
-    kind->variable(t->c_min, theta, u);
-    kind->shape(f->varpro.kernels, t->c, f->data.stride, u[0], phi);
-    for (j = 0; j < f->data.distinct; j++) {
-        h += t->bb[j] * (phi[j] * phi[j]);
-    }
-    for (j = 0; j < f->data.distinct && h > 0.0; j++) {
-        double share = t->bb[j] * (phi[j] * phi[j]) / h;
-
-        sum += share * share * t->concentration[j];
-    }
-    return sum > 0.0 ? 1.0 / sum : 0.0;
-}
-
-/* Coefficient of a column of the vector form, in the data's units. */
-static double in_data_units(const struct fit *f, const struct nnls_answer *answer, size_t k, int j)
-{
-    const struct nnls *nnls = &f->varpro.nnls;
-    double z = answer->unit[j];
-
-    if (!(z > 0.0)) {
-        return 0.0;
-    }
-    return z / nnls->norm[j] * (answer->data_scale / nnls->scale[j]) * f->data.value_scale * f->data.channel_scale[k];
-}
-
-static void coefficients(struct fit *f, const struct point *at)
-{
-    const struct reduced *data = &f->data;
-    int lobes = f->model.lobes, p;
-    size_t k;
-
-    for (k = 0; k < data->channels; k++) {
-        const struct nnls_answer *answer = &f->varpro.answer[k];
-
-        f->x[k] = in_data_units(f, answer, k, 0) / data->scale_a;
-        for (p = 0; p < lobes; p++) {
-            const struct table *t = varpro_table(&f->varpro, p);
-            double factor = model_kind(&f->model, p)->factor(t->c_min, kernel_exp(at->theta[p]));
-            double y = in_data_units(f, answer, k, f->model.lobe[p].column) / t->scale_b;
-
-            f->y[k * (size_t)lobes + (size_t)p] = y > 0.0 && factor > 0.0 ? y / factor : 0.0;
-        }
-        f->rms[k] = answer->data_scale * sqrt(answer->rss / data->weight_sum) * data->value_scale *
-                    data->channel_scale[k];
-    }
 }
 
 static void lobe_shares(const struct fit *f, brdffit_lobe *lobe)
@@ -228,15 +194,9 @@ static void lobe_shares(const struct fit *f, brdffit_lobe *lobe)
     }
 }
 
-static void certificate(const struct fit *f, const struct search_result *found, double objective, double scale,
-                        const brdffit_options *o, brdffit_result *result)
+static void count_work(const struct fit *f, const struct search_result *found, const brdffit_options *o,
+                       brdffit_result *result)
 {
-    result->e2 = objective * scale;
-    result->lower_bound = fmin(found->lower_bound * scale, result->e2);
-    result->gap = result->e2 - result->lower_bound;
-    result->sum_of_squares = f->data.total * scale;
-    result->stop = found->stop;
-    result->certified = found->stop == BRDFFIT_STOP_RELATIVE_GAP || found->stop == BRDFFIT_STOP_ABSOLUTE_GAP;
     result->boxes = found->boxes;
     if (o->norm != BRDFFIT_NORM_L2) {
         result->nodes = f->restricted.evaluated;
@@ -253,18 +213,30 @@ static void certificate(const struct fit *f, const struct search_result *found, 
     }
 }
 
-/* Weighted sum of squared residuals of the last evaluation, whatever the norm. */
-static double sum_of_squares(const struct fit *f)
+void brdffit_fit_judge(const brdffit_options *o, brdffit_result *result)
 {
-    double sum = 0.0;
-    size_t k;
+    const struct evidence evidence = {result->e2,      result->e2_error, result->lower_bound, result->sum_of_squares,
+                                      o->relative_gap, o->absolute_gap,  result->stop};
+    struct verdict verdict = brdffit_verdict(&evidence);
 
-    for (k = 0; k < f->data.channels; k++) {
-        const struct nnls_answer *answer = &f->varpro.answer[k];
+    result->stop = verdict.stop;
+    result->certified = verdict.certified;
+    result->lower_bound = verdict.lower_bound;
+    result->gap = verdict.gap;
+}
 
-        sum += answer->rss * (answer->data_scale * answer->data_scale);
-    }
-    return sum;
+/* The numbers of the proof, in the caller's units, and what follows from them. */
+static void certificate(const struct fit *f, const struct search_result *found, const struct published *published,
+                        double scale, const brdffit_options *o, brdffit_result *result)
+{
+    result->e2 = published->objective * scale;
+    result->e2_error = published->error * scale;
+    result->lower_bound = found->lower_bound * scale;
+    result->sum_of_squares = f->data.total * scale;
+    result->stop = found->stop;
+    result->rms_total = sqrt(published->squares / ((double)f->data.channels * f->data.weight_sum)) *
+                        (o->normalise == BRDFFIT_NORMALISE_NONE ? f->data.channel_scale[0] : 1.0) * f->data.value_scale;
+    brdffit_fit_judge(o, result);
 }
 
 /* Like lobes in ascending sigma, that is, descending theta; returns whether they were not. */
@@ -380,8 +352,10 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     static const struct handout zero;
     struct handout *h = f->handout;
     struct point at = found->point;
-    const struct level level = level_of(f, found->objective);
+    const struct level level = level_of(f, f->least);
+    struct published published;
     struct varpro_value value;
+    double sigma[BRDFFIT_MAX_LOBES];
     unsigned all = (1u << o->lobes) - 1, curved = 0, flat;
     int p, swapped;
 
@@ -394,18 +368,21 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     flat = move_to_largest(f, &at, &level, curved);
     for (p = 0; p < o->lobes; p++) {
         describe_lobe(f, &at, p, (flat >> p) & 1, &level, o, &h->lobe[p]);
-        h->lobe[p].effective_samples = effective_samples(f, p, at.theta[p]);
     }
     swapped = order_lobes(&f->model, &at, h->lobe);
     if (curved != all || swapped) {
         brdffit_fit_evaluate(f, &at, 1, &value);
     }
-    coefficients(f, &at);
+    for (p = 0; p < o->lobes; p++) {
+        sigma[p] = h->lobe[p].sigma;
+    }
+    published = brdffit_fit_publish(f, sigma);
+    for (p = 0; p < o->lobes; p++) {
+        h->lobe[p].effective_samples = published.effective[p];
+    }
     lobe_shares(f, h->lobe);
-    certificate(f, found, value.objective, objective_scale, o, &h->result);
-    h->result.rms_total = sqrt(sum_of_squares(f) / ((double)f->data.channels * f->data.weight_sum)) *
-                          (o->normalise == BRDFFIT_NORMALISE_NONE ? f->data.channel_scale[0] : 1.0) *
-                          f->data.value_scale;
+    count_work(f, found, o, &h->result);
+    certificate(f, found, &published, objective_scale, o, &h->result);
     h->result.kkt_residual = value.kkt;
     publish_model(f, o);
     publish(f, o);

@@ -24,7 +24,7 @@ struct search_rules {
 struct search_result {
     struct point point;  /* incumbent */
     double objective;    /* exact, at the incumbent */
-    double lower_bound;  /* of the whole domain */
+    double lower_bound;  /* of the whole domain, as the boxes have it: not lowered to the objective */
     brdffit_stop stop;
     size_t boxes;
 };

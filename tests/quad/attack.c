@@ -79,7 +79,7 @@ void attack_proof(const struct fit_question *q, double level, struct judgement *
 
     asked.options.box_budget = 300;
     if (level > out->best && level > 0.0 && fit_view_proves(&asked, level)) {
-        out->fault[JUDGE_REPROOF] = 1;
-        out->worst[JUDGE_REPROOF] = level / out->best - 1.0;
+        out->fault[JUDGE_PROOF] = 1;
+        out->worst[JUDGE_PROOF] = level / out->best - 1.0;
     }
 }

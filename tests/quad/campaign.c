@@ -8,7 +8,7 @@
  * --from       number of the first problem (0): a fault names its number, and `campaign SEED 1 --from N` is that one,
  *              with --family NAME where that was given; problem N is of family N mod their number otherwise
  * --effort     evaluations of E^2 in search of a better point, a fit (200)
- * --boxes      attack the boxes of one fit in so many (16; 1: all, 0: none); --proofs: brdffit_verify_socp() (32)
+ * --boxes      attack the boxes of one fit in so many (16; 1: all, 0: none); --proofs: brdffit_verify() (32)
  * --print      faulty problems printed in full, of each family and kind (1); --keep writes all of them, a file each
  * --progress   the table so far on stderr, after so many problems
  *

@@ -7,9 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Lobes and distributions that this build's options can say. */
+/* Lobes that this build's options can say. */
 #define DRAW_LOBES (BRDFFIT_MAX_LOBES < QUAD_LOBES ? BRDFFIT_MAX_LOBES : QUAD_LOBES)
-#define DRAW_MIXED 0
 
 /* Samples and channels that norms L1 and LINF are tried on: their judge enumerates. */
 #define LP_COUNT 7
@@ -75,7 +74,7 @@ void draw_shape(struct draw *d, size_t count, size_t channels, size_t texels, br
 {
     brdffit_samples *s = &d->samples;
     double *next = d->block = calloc(count * (17 + channels * texels) + 1, sizeof *next);
-    int j, lobes = 1 + (int)draw_below(d, DRAW_LOBES);
+    int j, lobes = 1 + (int)draw_below(d, DRAW_LOBES), mixed = draw_one_in(d, 3);
 
     if (!next) {
         abort();
@@ -99,8 +98,11 @@ void draw_shape(struct draw *d, size_t count, size_t channels, size_t texels, br
     s->quantity = form == BRDFFIT_FORM_COEFFICIENTS || draw_one_in(d, 2) ? BRDFFIT_QUANTITY_RADIANCE
                                                                           : BRDFFIT_QUANTITY_BRDF;
     fit_question_init(&d->question, s, lobes, (brdffit_distribution)draw_below(d, BRDFFIT_DISTRIBUTION_COUNT));
-    for (j = 1; j < lobes && DRAW_MIXED; j++) {
-        d->question.distribution[j] = (brdffit_distribution)draw_below(d, BRDFFIT_DISTRIBUTION_COUNT);
+    for (j = 1; j < lobes && mixed; j++) { /* ascending, so that lobes of one distribution stand together */
+        int rest = BRDFFIT_DISTRIBUTION_COUNT - (int)d->question.distribution[j - 1];
+
+        d->question.distribution[j] = (brdffit_distribution)((int)d->question.distribution[j - 1] +
+                                                             (int)draw_below(d, (size_t)rest));
     }
 }
 

@@ -33,16 +33,10 @@ void fit_question_init(struct fit_question *q, const brdffit_samples *samples, i
 
 int fit_question_options(const struct fit_question *q, brdffit_options *options)
 {
-    int j;
-
     *options = q->options;
     options->lobes = q->lobes;
     options->distribution = q->distribution[0];
-    for (j = 1; j < q->lobes; j++) {
-        if (q->distribution[j] != q->distribution[0]) {
-            return 0;
-        }
-    }
+    options->distributions = q->distribution;
     return q->lobes <= BRDFFIT_MAX_LOBES;
 }
 
@@ -91,10 +85,10 @@ static void take(struct fit_view *view, const brdffit_result *r)
     size_t k;
     int j;
 
-    allocate_view(view, r->model.lobes, r->model.channels);
-    copy(view->sigma, r->model.sigma, (size_t)view->lobes, &view->nans);
-    copy(view->x, r->model.x, view->channels, &view->nans);
-    copy(view->y, r->model.y, view->channels * (size_t)view->lobes, &view->nans);
+    allocate_view(view, r->model->lobes, r->model->channels);
+    copy(view->sigma, r->model->sigma, (size_t)view->lobes, &view->nans);
+    copy(view->x, r->model->x, view->channels, &view->nans);
+    copy(view->y, r->model->y, view->channels * (size_t)view->lobes, &view->nans);
     copy(view->scale, r->channel_scale, view->channels, &view->nans);
     copy(&view->e2, &r->e2, 1, &view->nans);
     copy(&view->e2_error, &r->e2_error, 1, &view->nans);
@@ -107,7 +101,7 @@ static void take(struct fit_view *view, const brdffit_result *r)
         copy(ignored, r->rms + k, 1, &view->nans);
     }
     for (j = 0; j < view->lobes; j++) {
-        view->nans += lobe_nans(&r->lobe[j]);
+        view->nans += lobe_nans(r->lobe[j]);
     }
     view->certified = r->certified;
     view->stop = r->stop;
@@ -118,7 +112,7 @@ static void take(struct fit_view *view, const brdffit_result *r)
 void fit_view_new(struct fit_view *view, const struct fit_question *q)
 {
     brdffit_options options;
-    brdffit_result *result;
+    const brdffit_result *result;
     brdffit_error error;
     brdffit_status status;
 
@@ -132,7 +126,7 @@ void fit_view_new(struct fit_view *view, const struct fit_question *q)
         return;
     }
     take(view, result);
-    brdffit_fit_free(result);
+    brdffit_result_free(result);
 }
 
 /* ---- Sums ------------------------------------------------------------------------------------------------------- */
@@ -174,7 +168,7 @@ void fit_view_sums(struct fit_view *view, const struct fit_question *q, size_t g
     void *memory, *workspace = NULL;
     brdffit_sums *sums;
     brdffit_options options;
-    brdffit_result result;
+    const brdffit_result *result;
     brdffit_error error = {0};
     brdffit_status status;
 
@@ -197,7 +191,7 @@ void fit_view_sums(struct fit_view *view, const struct fit_question *q, size_t g
         status = brdffit_fit_sums(sums, &options, workspace, work, &result, &error);
     }
     if (status == BRDFFIT_OK) {
-        take(view, &result);
+        take(view, result);
         view->binned = bits > 0;
     } else {
         fail(view, status, error.message);
@@ -338,7 +332,8 @@ size_t fit_view_boxes(const struct fit_question *q, struct fit_box *boxes, size_
 
 int fit_view_proves(const struct fit_question *q, double level)
 {
-    brdffit_reproof proof = {0};
+    const brdffit_verification *proof = NULL;
+    int proven;
     brdffit_options options;
     brdffit_status status;
     size_t size;
@@ -350,9 +345,10 @@ int fit_view_proves(const struct fit_question *q, double level)
     options.engine = BRDFFIT_ENGINE_SOCP;
     size = brdffit_workspace_size(q->samples->count, q->samples->channels, &options);
     workspace = allocate(size, 1);
-    status = brdffit_verify_socp(q->samples, &options, level, workspace, size, &proof, NULL);
+    status = brdffit_verify(q->samples, &options, level, workspace, size, &proof, NULL);
+    proven = status == BRDFFIT_OK && proof->proven;
     free(workspace);
-    return status == BRDFFIT_OK && proof.proven;
+    return proven;
 }
 
 void fit_view_free(struct fit_view *view)

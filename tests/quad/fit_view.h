@@ -27,7 +27,7 @@ struct fit_question {
     const brdffit_samples *samples;
     brdffit_options options;
     int lobes;
-    brdffit_distribution distribution[QUAD_LOBES]; /* one a lobe; all the same until options can say otherwise */
+    brdffit_distribution distribution[QUAD_LOBES]; /* one a lobe; lobes of one distribution stand together */
 };
 
 /* Defaults, with these lobes of one distribution. */
@@ -53,7 +53,7 @@ struct fit_box {
 };
 size_t fit_view_boxes(const struct fit_question *q, struct fit_box *boxes, size_t most, unsigned long long seed);
 
-/* Whether brdffit_verify_socp() says that it has proven the level. */
+/* Whether brdffit_verify() says that it has proven the level. */
 int fit_view_proves(const struct fit_question *q, double level);
 
 #endif

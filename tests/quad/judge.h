@@ -20,7 +20,7 @@ enum judge_fault {
     JUDGE_SCALE,     /* channel_scale or sum_of_squares off by more than 1e-12 */
     JUDGE_USED,      /* samples_used, though no sample is near a limit */
     JUDGE_BOX,       /* the lower_bound of a box above E^2 of a point of the box (campaign --boxes) */
-    JUDGE_REPROOF,   /* brdffit_verify_socp() proved a level above E^2 of a point */
+    JUDGE_PROOF,   /* brdffit_verify() proved a level above E^2 of a point */
     JUDGE_COUNT
 };
 

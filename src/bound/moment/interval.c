@@ -30,7 +30,6 @@
 #include "bound/moment/interval.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "bound/moment/interval_family.h"
 #include "base/tolerance.h"
@@ -41,9 +40,8 @@
 
 void brdffit_intervals_layout(struct intervals *t, struct arena *arena, size_t capacity, size_t channels)
 {
-    t->capacity = capacity;
     t->interval = brdffit_arena_take(arena, capacity, sizeof *t->interval);
-    t->ready = brdffit_arena_take(arena, capacity, 1);
+    marks_layout(&t->ready, arena, capacity);
     t->pool = brdffit_arena_take(arena, capacity, 2 * channels * sizeof(double));
 }
 
@@ -52,7 +50,7 @@ void brdffit_intervals_start(struct intervals *t, struct moments *moments, int k
     t->moments = moments;
     t->kind = kind;
     t->exponential = moments->kind[kind].kind->exponential;
-    memset(t->ready, 0, t->capacity);
+    marks_start(&t->ready);
 }
 
 /* sum W (x - mean - d)^2 phi from moments about the mean, with an allowance for its cancellation. */
@@ -196,7 +194,6 @@ void brdffit_interval_fill(struct intervals *t, uint32_t index, const struct axi
     struct interval *v = &t->interval[index];
     size_t K = t->moments->data->bounded;
 
-    t->ready[index] = 1;
     v->low = brdffit_moments_node(t->moments, t->kind, i->low, axis->coordinate[i->low]);
     v->high = brdffit_moments_node(t->moments, t->kind, i->high, axis->coordinate[i->high]);
     v->low_index = i->low;

@@ -6,6 +6,7 @@
 #define BRDFFIT_INTERVAL_H
 
 #include "base/arena.h"
+#include "base/marks.h"
 #include "data/moments.h"
 #include "search/axis.h"
 
@@ -29,9 +30,8 @@ struct intervals {
     struct moments *moments;
     int kind, exponential;
     struct interval *interval;
-    unsigned char *ready;
+    struct marks ready;
     double *pool;
-    size_t capacity;
 };
 
 void brdffit_intervals_layout(struct intervals *intervals, struct arena *arena, size_t capacity, size_t channels);
@@ -43,7 +43,7 @@ void brdffit_interval_fill(struct intervals *intervals, uint32_t index, const st
 /* What is known of interval `index` of the axis, computed on first use. */
 static inline struct interval *brdffit_interval(struct intervals *t, uint32_t index, const struct axis *axis)
 {
-    if (!t->ready[index]) {
+    if (!marks_set(&t->ready, index)) {
         brdffit_interval_fill(t, index, axis);
     }
     return &t->interval[index];
