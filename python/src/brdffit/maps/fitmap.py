@@ -29,7 +29,7 @@ class FitMap(Frozen):
         valid), 2 "no_signal" (all values 0: so is the model, proven), 3 "masked", 4 "bad_value" (NaN or infinite),
         5 "refused" (a fit of it alone would fail), 6 "no_samples" (its own directions leave none), 7 "not_reached"
         (the run was stopped)
-    stop: S, bytes that index `FitMap.STOP`: why the search of a certified or open texel ended; 7 "none" for others
+    stop: S, bytes that index `FitMap.STOP`: why the search of a certified or open texel ended; "none" for others
     where: S, of a bad value: sample * K + channel; else -1
     boxes: S, how many the search bounded
     samples: of each texel; samples_skipped: by reason, of each texel; summed over texels with directions of their own
