@@ -114,7 +114,7 @@ def above(fit: Fit) -> str:
 _STOPS = {"resolution": "every box left is narrower than sigma_resolution",
           "rounding": "the boxes left cannot be split further in double precision",
           "budget": "the box budget was used up", "memory": "its table of values was full",
-          "cancelled": "it was interrupted"}
+          "cancelled": "it was interrupted", "contradiction": "its bound contradicts its fit, an error of this library"}
 
 
 def certificate(fit: Fit) -> str:
