@@ -122,8 +122,11 @@ typedef enum brdffit_quantity {
  * DIRECTIONS:   light, view: count x 3, row-major, towards the light and
  *               towards the viewer; any finite length but zero (they are
  *               normalised). normal: count x 3, or NULL for +z. Directions are
- *               taken to be known to 1e-15 radians: half-vector angles that
- *               close are one angle, so that mirror images merge.
+ *               taken to be known to 1e-15 radians: what is proven holds for
+ *               the doubles and for any others that close, such as those of
+ *               the degrees that they were made from. Half-vector angles that
+ *               close are one angle, so that mirror images merge. LAFORTUNE:
+ *               where the sign of r.v is not known so, a sample has no lobe.
  * ANGLES:       cos_light = n.l and cos_view = n.v in [-1, 1],
  *               tan2_half = tan^2 alpha in [0, 1e100], cos_difference = v.h in (0, 1].
  *               Samples with equal tan2_half (to the bit) merge exactly.
@@ -359,8 +362,8 @@ typedef struct brdffit_result {
     double rms_total;            /* sqrt(sum w r^2 / (K sum w)) over all channels, whatever the norm; units that were
                                     minimised */
     double e2;                   /* E^2 of `model` as it is published, sigma, x and y in doubles, on the samples */
-    double e2_error;             /* how far e2 may be from that, proven: by rounding (some 1e-14 sqrt(e2
-                                    sum_of_squares)), and by what brdffit_fit_sums() does not know */
+    double e2_error;             /* how far e2 may be from that, proven: by rounding, of directions too (some
+                                    1e-13 sqrt(e2 sum_of_squares)), and by what brdffit_fit_sums() does not know */
     double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
     double gap;                  /* e2 - lower_bound, >= 0 */
     double sum_of_squares;       /* E^2 of the zero model */
