@@ -130,7 +130,7 @@ typedef enum brdffit_quantity {
  * ANGLES:       cos_light = n.l and cos_view = n.v in [-1, 1],
  *               tan2_half = tan^2 alpha in [0, 1e100], cos_difference = v.h in (0, 1].
  *               Samples with equal tan2_half (to the bit) merge exactly.
- * COEFFICIENTS: a, b, c >= 0, c <= 1e100, of the distribution that is fitted.
+ * COEFFICIENTS: a, b, c >= 0, c <= 1e100, of the distribution that is fitted; lobes of several share them.
  *               The quantity must be RADIANCE.
  */
 typedef struct brdffit_samples {
@@ -190,6 +190,9 @@ typedef enum brdffit_distribution {
 
 /* Constant name: "beckmann", "ggx", "torrance-sparrow", "ward", "blinn-phong", "ashikhmin-shirley", "lafortune". */
 BRDFFIT_API const char *brdffit_distribution_string(brdffit_distribution distribution);
+
+/* Constant name as it stands in a sentence: "Beckmann", "GGX", ..., "Ashikhmin-Shirley", "Lafortune". */
+BRDFFIT_API const char *brdffit_distribution_title(brdffit_distribution distribution);
 
 /* Constant name of the parameter that the distribution is known by: "sigma" where s = 1/sigma^2, "exponent" where
  * s = n; "unknown" for no distribution of ours. */
@@ -255,7 +258,7 @@ typedef void (*brdffit_box_fn)(void *user, const struct brdffit_box *box);
 
 typedef struct brdffit_options {
     size_t struct_size;
-    int lobes; /* P: 1 or 2. Default 1 */
+    int lobes; /* P: 1, 2 or 3. Default 1 */
     brdffit_distribution distribution;
     brdffit_norm norm;
     brdffit_normalise normalise;
@@ -278,8 +281,9 @@ typedef struct brdffit_options {
     void *progress_user;
     brdffit_box_fn box; /* or NULL */
     void *box_user;
-    const brdffit_distribution *distributions; /* P entries, or NULL (default): `distribution` for every
-                                                  lobe. Lobes come out ordered: the first one's distribution first */
+    const brdffit_distribution *distributions; /* P entries, or NULL (default): `distribution` for every lobe. Lobes
+                                                  come out with those of a distribution together, in the order of their
+                                                  first mention: of GGX, WARD, GGX a result has GGX, GGX, WARD */
 } brdffit_options;
 
 /* Set struct_size and every default. NULL is fine: nothing happens. */
@@ -294,13 +298,13 @@ typedef struct brdffit_model {
     brdffit_distribution distribution;
     int lobes;       /* P */
     size_t channels; /* K */
-    const double *sigma; /* P roughnesses, ascending in a result; 1/sqrt(n) where the parameter is n */
+    const double *sigma; /* P roughnesses; in a result ascending among lobes of one distribution; 1/sqrt(n) where the
+                            parameter is n */
     const double *x;     /* K diffuse coefficients, in the data's units */
     const double *y;     /* K x P row-major specular coefficients, in the data's units;
                             y multiplies lambda(s) exp(-c s) b: the paper's scaling */
-    const brdffit_distribution *distributions; /* P entries (always in a result), or NULL: `distribution`
-                                                  for every lobe. BRDFFIT_ERR_UNSUPPORTED unless all
-                                                  equal */
+    const brdffit_distribution *distributions; /* P entries (always in a result), or NULL: `distribution` for every
+                                                  lobe */
 } brdffit_model;
 
 /* Set struct_size, one lobe, and zero or NULL elsewhere. NULL is fine: nothing happens. */
@@ -323,6 +327,8 @@ typedef struct brdffit_lobe {
     double weight;            /* w_p: this lobe's share of the sum of all y; 0 if all are zero */
     double effective_samples; /* N_eff = (sum g^2)^2 / sum g^4, at most the samples used */
     unsigned warnings;        /* BRDFFIT_WARN_* */
+    double sigma_floor;       /* what is proven is proven for this lobe's sigma from here to sigma_max, n from exponent_min
+                                 to 1 / sigma_floor^2, ends included: see brdffit_result.sigma_floor, the largest */
 } brdffit_lobe;
 
 /* Why the search stopped. */
@@ -352,7 +358,7 @@ BRDFFIT_API const char *brdffit_stop_string(brdffit_stop stop);
  */
 typedef struct brdffit_result {
     const brdffit_model *model;
-    const brdffit_lobe *const *lobe; /* P pointers, ascending in sigma */
+    const brdffit_lobe *const *lobe; /* P pointers, in the order of model->sigma */
     const double *channel_scale; /* K divisors, > 0 */
     const double *rms;           /* K root mean square (weighted) radiance residuals, data's units */
     double rms_total;            /* sqrt(sum w r^2 / (K sum w)) over all channels, whatever the norm; units that were
@@ -410,8 +416,8 @@ BRDFFIT_API void brdffit_result_free(const brdffit_result *result);
  * read; at->channels is ignored): out is at->count x model->channels,
  * row-major, f_r or radiance as at->quantity says. Directions on or below
  * the horizon give 0. NaN or infinite input fails with BRDFFIT_ERR_VALUE and
- * nothing useful in out. COEFFICIENTS are those of the model's distribution;
- * GGX and Beckmann share theirs.
+ * nothing useful in out. COEFFICIENTS are those of the model's distribution,
+ * and of every lobe; GGX and Beckmann share theirs.
  */
 BRDFFIT_API brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *at, double *out,
                                         brdffit_error *error);
@@ -454,8 +460,8 @@ typedef struct brdffit_progress {
 } brdffit_progress;
 
 /*
- * A box of the search and what was proven of it. Lobes in ascending sigma, as in the result. A box with the same sides
- * for both lobes stands for its half with sigma[0] <= sigma[1]. Where the lobe no longer changes towards small sigma,
+ * A box of the search and what was proven of it. Lobes in the order of the result. A box with the same sides for lobes
+ * of one distribution stands for its part where their sigma ascend. Where the lobe no longer changes towards small sigma,
  * the box at the end reaches down to the result's sigma_floor.
  */
 typedef struct brdffit_box {
@@ -549,7 +555,7 @@ BRDFFIT_API const char *brdffit_texel_status_string(brdffit_texel_status status)
  */
 typedef struct brdffit_texel_results {
     size_t struct_size;
-    double *sigma;         /* count x P, ascending */
+    double *sigma;         /* count x P, in the order of a result's */
     double *x;             /* count x K */
     double *y;             /* count x K x P */
     double *channel_scale; /* count x K */

@@ -109,7 +109,7 @@ BRDFFIT_API brdffit_status brdffit_io_read_memory(const void *data, size_t size,
  * brdffit_io_read() in a fraction of time and memory, for who only fits: a whole MERL table is added up while it is read, for
  * `fit` (NULL: defaults; its distribution, max_incidence and isa), and table->sums is what brdffit_fit_sums() takes.
  * table->samples then has a count but no arrays. Whatever sums cannot do (text, look-ups, other norms and engines,
- * LAFORTUNE, values beyond their range) is read as by brdffit_io_read(), and table->sums is NULL.
+ * LAFORTUNE, lobes of several geometries, values beyond their range) is read as by brdffit_io_read(), and table->sums is NULL.
  *
  * A regular file is mapped for the time of the call and as long as table->sums is there: truncating it meanwhile ends
  * the process with SIGBUS. Who cannot exclude that uses brdffit_io_read(), or standard input.

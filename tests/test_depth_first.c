@@ -140,7 +140,10 @@ static void fit_in(const brdffit_samples *samples, const brdffit_options *o, uin
     f.heap.capacity = boxes;
     assert_int_equal(brdffit_fit_finish(&f, o, NULL), BRDFFIT_OK);
     brdffit_test_flatten(&f.handout->result, &flat);
-    assert_int_equal(flat.certified, 1);
+    if (!flat.certified) {
+        fail_msg("%u nodes, %zu boxes: %s, e2 %.17g +- %g, bound %.17g of %g", nodes, boxes,
+                 brdffit_stop_string(flat.stop), flat.e2, flat.e2_error, flat.lower_bound, flat.sum_of_squares);
+    }
     if (brdffit_test_verify(samples, o, &flat, why, sizeof why)) {
         brdffit_test_print(samples, o);
         fail_msg("%u nodes, %zu boxes: %s", nodes, boxes, why);
@@ -167,7 +170,7 @@ static void test_fits(void **state)
             brdffit_options_init(&o);
             o.lobes = lobes;
             o.distribution = of[i];
-            o.relative_gap = lobes > 1 ? 1e-2 : 1e-7;
+            o.relative_gap = lobes > 1 ? 1e-2 : 1e-6;
             fit_in(&data.samples, &o, 12, 8);
             fit_in(&data.samples, &o, 24, 40);
             brdffit_test_data_free(&data);

@@ -100,9 +100,11 @@ def truth(name, lobes):
 
 
 def reflectance(name, g, values, x, y):
+    """`name`: of every lobe, or a list."""
+    names = [name] * len(values) if isinstance(name, str) else name
     out = np.outer(np.ones(len(g.nl)), x) / math.pi
     for p, value in enumerate(values):
-        out += np.outer(LOBES[name][0](g, value), np.asarray(y)[:, p])
+        out += np.outer(LOBES[names[p]][0](g, value), np.asarray(y)[:, p])
     return out
 
 
@@ -142,6 +144,39 @@ def test_truth_is_recovered(tmp_path, name, lobes):
     table = np.array([[float(row[channel + "_fit"]) for channel in "rgb"] for row in rows])
     assert np.allclose(table, again, rtol=1e-10)
     assert np.allclose(table, made, rtol=1e-7)
+
+
+# Each distribution beside another one; a sharp lobe and a wide one.
+PAIRS = [*zip(LOBES, [*LOBES][1:] + [*LOBES][:1])]
+
+
+@pytest.mark.parametrize("pair", PAIRS, ids=",".join)
+def test_truth_of_a_list_is_recovered(tmp_path, pair):
+    """A lobe of each, by its own parameter; the line in the formulas of this file is the table that eval writes."""
+    angles = directions()
+    g = Geometry(*(unit(*np.radians(angles[:, k:k + 2]).T) for k in (0, 2)))
+    values = [LOBES[name][2][p] for p, name in enumerate(pair)]
+    at_mirror = Geometry(unit(np.zeros(1), 0.0), unit(np.zeros(1), 0.0))
+    y = SPECULAR / [LOBES[name][0](at_mirror, value)[0] for name, value in zip(pair, values)]
+    file, fits = tmp_path / "made.csv", tmp_path / "fits.json"
+    made = reflectance(pair, g, values, DIFFUSE, y)
+    write(file, angles, made)
+    fits.write_text(run("fit", "--json", "--max-incidence", "off", "--lobes", ",".join(pair), file))
+    line = json.loads(fits.read_text())
+    assert (line["status"], line["distributions"], line["samples_used"]) == ("certified", [*pair], len(angles))
+    found = [line[LOBES[name][1]][p] for p, name in enumerate(pair)]
+    assert found == pytest.approx(values, rel=1e-7)
+    assert line["x"] == pytest.approx(DIFFUSE, rel=1e-6)
+    assert np.allclose(line["y"], y, rtol=1e-6)
+    again = reflectance(pair, g, found, line["x"], line["y"])
+    rows = list(csv.DictReader(io.StringIO(run("eval", "--quiet", fits, file))))
+    table = np.array([[float(row[channel + "_fit"]) for channel in "rgb"] for row in rows])
+    assert np.allclose(table, again, rtol=1e-10)
+    # Either distribution alone leaves more than the list does, proven, and no line of it is read as the other's.
+    for name in pair:
+        alone = json.loads(run("fit", "--json", "--max-incidence", "off", "--lobes", 2, "--gap", "0.1", "--distribution", name,
+                               file))
+        assert alone["lower_bound"] > line["e2"]
 
 
 @pytest.mark.parametrize("name", LOBES)

@@ -61,7 +61,9 @@ def test_reads_its_own_lines_and_so_does_the_command_line(instruments, tmp_path)
 
 
 @pytest.mark.parametrize("change", [{"y": [[0.1]]}, {"y": [0.1, 0.2, 0.3]}, {"x": [1.0]}, {"sigma": [0.1, 0.2]}, {"lobes": 2},
-                                    {"lobes": 3}, {"distribution": "phong"}, {"channels": ["r"]}], ids=str)
+                                    {"lobes": 4}, {"distribution": "phong"}, {"channels": ["r"]},
+                                    {"distributions": ["beckmann"] * 2}, {"distributions": ["ggx"]},
+                                    {"distributions": ["phong"]}], ids=str)
 def test_fits_that_do_not_hold_together(change):
     """C would read past the end of what is too short."""
     fit = brdffit.fit(brdffit.Samples.example())
@@ -144,7 +146,10 @@ def test_claims_are_rounded_to_their_safe_side(value, digits, up):
 
 
 @pytest.mark.parametrize("options, kind, code", [
-    ({"lobes": 3}, brdffit.OptionError, "option"), ({"norm": "l7"}, brdffit.OptionError, "option"),
+    ({"lobes": 4}, brdffit.OptionError, "option"), ({"lobes": []}, brdffit.OptionError, "option"),
+    ({"lobes": ["ggx"] * 4}, brdffit.OptionError, "option"), ({"lobes": ["ggx", "phong"]}, brdffit.OptionError, "option"),
+    ({"lobes": "ggx"}, brdffit.OptionError, "option"), ({"lobes": [1, 2]}, brdffit.OptionError, "option"),
+    ({"lobes": ["ggx"], "distribution": "ggx"}, brdffit.OptionError, "option"), ({"norm": "l7"}, brdffit.OptionError, "option"),
     ({"verify": "much"}, brdffit.OptionError, "option"), ({"verify": 1}, brdffit.OptionError, "option"),
     ({"sigma_range": (0, 1)}, brdffit.OptionError, "option"), ({"sigma_range": 3}, brdffit.OptionError, "option"),
     ({"relative_gap": float("nan")}, brdffit.OptionError, "option"), ({"relative_gap": "x"}, brdffit.OptionError, "option"),

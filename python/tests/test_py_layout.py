@@ -7,7 +7,7 @@ import subprocess
 
 import pytest
 
-from brdffit import _ffi, _structs
+from brdffit import _ffi, _lobes, _structs
 from places import ROOT
 
 
@@ -50,13 +50,15 @@ def test_no_field_is_forgotten(name):
 
 def test_enumerations():
     core, io = _ffi.library().core, _ffi.library().io
-    for names, function in ((_structs.DISTRIBUTION, core.brdffit_distribution_string), (_structs.NORM, core.brdffit_norm_string),
+    assert _lobes.MOST == int(re.search(r"BRDFFIT_MAX_LOBES (\d+)", header()).group(1))
+    for names, function in ((tuple(_lobes.distributions()), core.brdffit_distribution_string),
+                            (_structs.NORM, core.brdffit_norm_string),
                             (_structs.ENGINE, core.brdffit_engine_string), (_structs.ISA, core.brdffit_isa_string),
                             (_structs.STOP, core.brdffit_stop_string), (_structs.SKIP, core.brdffit_skip_string),
                             (_structs.TEXEL_STATUS, core.brdffit_texel_status_string), (_structs.DROP, io.brdffit_io_drop_string)):
         assert tuple(function(i).decode() for i in range(len(names))) == names
     text = re.sub(r"/\*.*?\*/", "", header(), flags=re.S)
-    for prefix, names in (("STATUS", _structs.STATUS), ("STOP", _structs.STOP), ("DISTRIBUTION", _structs.DISTRIBUTION),
+    for prefix, names in (("STATUS", _structs.STATUS), ("STOP", _structs.STOP), ("DISTRIBUTION", _lobes.distributions()),
                           ("NORM", _structs.NORM), ("ENGINE", _structs.ENGINE), ("ISA", _structs.ISA),
                           ("SKIP", _structs.SKIP), ("TYPE", _structs.TYPE), ("TEXEL_STATUS", _structs.TEXEL_STATUS),
                           ("IO_DROP", _structs.DROP)):

@@ -64,7 +64,9 @@ def test_as_fits_of_the_texels_alone(desk, options):
 
 def test_the_general_path_has_the_bits_of_fit(desk):
     stack, light, view = desk
-    for options in ({"distribution": "ggx", "lobes": 2}, {"norm": "linf"}, {"engine": "socp", "relative_gap": 0.1}):
+    for options in ({"distribution": "ggx", "lobes": 2}, {"lobes": ["ward", "ggx"]}, {"lobes": ["ggx", "blinn-phong"]},
+                    {"lobes": ["ggx", "ward", "ggx"], "relative_gap": 0.1}, {"norm": "linf"},
+                    {"engine": "socp", "relative_gap": 0.1}):
         try:
             fits = brdffit.fit_map(stack[:, 0, :2], light, view, **options)
         except brdffit.UnsupportedError:
@@ -73,6 +75,7 @@ def test_the_general_path_has_the_bits_of_fit(desk):
             fit = brdffit.fit(brdffit.Samples.from_arrays(light, view, stack[:, 0, i]), **options)
             assert np.array_equal(fit.sigma, fits.sigma[i]) and np.array_equal(fit.y, fits.y[i])
             assert (fit.e2, fit.lower_bound, fit.boxes) == (fits.e2[i], fits.lower_bound[i], fits.boxes[i])
+            assert fits.distributions == fit.distributions and fits.parameters == fit.parameters
             assert np.array_equal(fit.x, fits.x[i]) and fit.stop == fits.STOP[fits.stop[i]]
 
 
@@ -220,7 +223,7 @@ def test_no_texels(shape, results, desk):
     ({"channel_axis": 1.0}, brdffit.DataError, "channel_axis"),
     ({"threads": 0}, brdffit.OptionError, "threads"), ({"threads": 1.5}, brdffit.OptionError, "threads"),
     ({"tile": -1}, brdffit.OptionError, "tile"), ({"errors": "ignore"}, brdffit.OptionError, "errors"),
-    ({"quantity": "x"}, brdffit.OptionError, "quantity"), ({"lobes": 3}, brdffit.OptionError, "lobes"),
+    ({"quantity": "x"}, brdffit.OptionError, "quantity"), ({"lobes": 4}, brdffit.OptionError, "lobes"),
     ({"sigma_range": (2, 1)}, brdffit.OptionError, "sigma"), ({"distribution": "x"}, brdffit.OptionError, "distribution"),
 ])
 def test_bad_arguments(desk, change, kind, words):

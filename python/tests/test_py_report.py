@@ -1,5 +1,6 @@
 """brdffit-report: its pages, its exit codes, and what a browser says of them. SPDX-License-Identifier: MIT"""
 import base64
+import html
 import os
 import re
 import shutil
@@ -14,9 +15,10 @@ import pytest
 import brdffit
 import browser
 import harness
-from brdffit import report
+from brdffit import _lobes, report
 from brdffit.report import _analysis as analysis
 from brdffit.report import _page, _spheres
+from brdffit.report import _proof as proof
 from places import SOURCES
 
 FILES = ("two_lobe_satin.csv", "ggx_metal.csv", "matte.csv", "two_lobe_table.binary")
@@ -32,6 +34,8 @@ def pages(instruments, tmp_path_factory):
     long.write_bytes((instruments / FILES[0]).read_bytes())
     assert report.main(["-q", "-o", str(folder / "open"), "--box-budget", "30", str(long), str(instruments / FILES[0])]) == 4
     assert report.main(["-q", "-o", str(folder / "phong"), "--distribution", "blinn-phong", str(instruments / FILES[0])]) == 0
+    assert report.main(["-q", "-o", str(folder / "mixed"), "--lobes", "ggx,blinn-phong", "--gap", "0.05",
+                        *(str(instruments / name) for name in FILES[:2])]) == 0
     return folder
 
 
@@ -54,6 +58,9 @@ def test_pages_stand_alone(pages):
     assert "warning, lobe" in (pages / "matte.html").read_text().lower()
     assert "not proven to its gap" in (pages / "open" / "two_lobe_satin.html").read_text()
     assert re.search(r"within 1 % of the optimum has n in \[", (pages / "phong" / "two_lobe_satin.html").read_text())
+    text = (pages / "mixed" / "two_lobe_satin.html").read_text()
+    assert "fit of one GGX and one Blinn-Phong lobe with σ in [" in text and "in its Blinn-Phong lobe" in text
+    assert "σ and n" in (pages / "mixed" / "index.html").read_text()
 
 
 def test_index(pages):
@@ -88,8 +95,12 @@ def test_exit_codes(instruments, tmp_path, capsys):
     assert report.main([*out, good, str(tmp_path / "absent.csv")]) == 1
     assert "absent.csv" in capsys.readouterr().err and "absent.csv" in (tmp_path / "out" / "index.html").read_text()
     with pytest.raises(SystemExit) as caught:
-        report.main([*out, "--lobes", "3", good])
+        report.main([*out, "--lobes", "4", good])
     assert caught.value.code == 2
+    for wrong in (["--lobes", "ggx,phong"], ["--lobes", "ggx", "--distribution", "ward"], ["--lobes", "ggx,ggx,ggx,ggx"]):
+        with pytest.raises(SystemExit) as caught:
+            report.main([*out, *wrong, good])
+        assert caught.value.code == 2
 
 
 def test_one_page_that_fails_stops_nothing(instruments, tmp_path, monkeypatch, capsys):
@@ -143,6 +154,48 @@ def test_bounds_stay_below_the_curve():
         edges, steps = analysis.bound_steps(boxes, material.leaves[lobes], 0.005, 6.0)
         at = steps[np.searchsorted(edges, sigma) - 1]
         assert np.all(at > 0) and np.all(at <= exact * slack)
+
+
+@pytest.mark.parametrize("names", (["beckmann"] * 3, ["ggx", "blinn-phong"], ["beckmann", "ggx"], ["ward", "ggx", "ward"]),
+                         ids=",".join)
+def test_bounds_stay_below_the_curve_of_lists(names):
+    """An axis a lobe; the profile of a distribution is over one of its lobes, and every model of 1 % is in the intervals."""
+    material = analysis.measure("satin", brdffit.Samples.example(), {"relative_gap": 0.05}, names)
+    count, slack = len(names), 1 + 1e-9
+    fit, boxes = material.main, material.boxes[count]
+    grids, at_fit = [], []
+    for p in range(count):
+        grid = np.unique(np.concatenate([np.geomspace(0.02, 2.9, 14), fit.sigma]))
+        grids.append(grid)
+        at_fit.append(int(np.searchsorted(grid, fit.sigma[p])))
+    exact = analysis.objective(material, grids, count)
+    assert exact.shape == tuple(map(len, grids))
+    assert exact[tuple(at_fit)] == pytest.approx(fit.e2, rel=1e-6)
+    assert exact.min() * slack >= fit.lower_bound
+    bound = boxes.bound_at(*np.meshgrid(*grids, indexing="ij"))
+    assert np.all(np.isfinite(bound)) and np.all(bound <= exact * slack)
+    for p in range(count):
+        same = analysis.same_kind(fit, p)
+        assert fit.distributions[p] == fit.distributions[same.start]
+        edges, steps = analysis.bound_steps(boxes, material.leaves[count], 0.01, 2.95, same)
+        alone = exact.min(axis=tuple(q for q in range(count) if q != p))
+        assert np.all(steps[np.searchsorted(edges, grids[p]) - 1] <= alone * slack)
+    share, intervals = material.near[count]
+    places = np.stack([grids[p][index] for p, index in enumerate(np.argwhere(exact <= (1 + share) * fit.lower_bound).T)], 1)
+    for _, same in _lobes.kinds(fit.distributions):
+        places[:, same].sort(axis=1)
+    for p, (low, high) in enumerate(intervals):
+        assert low <= fit.sigma[p] <= high
+        assert len(places) == 0 or low <= places[:, p].min() and places[:, p].max() <= high
+    # A page has a profile for each distribution, and words for each lobe.
+    text = _page.material_page(material, None)
+    page = html.unescape(text)
+    kinds = len(set(names))
+    assert len(proof.profiles(material, count)) == kinds
+    for words in (fit.certificate, *([] if kinds == 1 else [_lobes.title(name) for name in names])):
+        assert words in page
+    assert ("Map of the boxes" in page) == (count == 2)
+    assert not re.search(r"\b(nan|inf)\b", re.sub(r"base64,[\w+/=]*", "", text), re.I)
 
 
 @pytest.mark.parametrize("distribution", ("beckmann", "ggx", "blinn-phong"))
@@ -209,7 +262,7 @@ def test_reasons_are_the_librarys():
     brdffit.Samples.from_coefficients(np.ones(9), np.ones(9), np.linspace(0, 2, 9), np.exp(-np.linspace(0, 20, 9))),
     brdffit.Samples.from_arrays([[0, 0.01, 1.0]] * 6, [[0, 0, 1.0]] * 6, np.arange(6.0) * 1e-300, channels=["mwir"]),
 ), ids=("one", "black", "spectral", "coefficients", "tiny"))
-@pytest.mark.parametrize("lobes", (1, 2))
+@pytest.mark.parametrize("lobes", (1, 2, ["ggx", "blinn-phong"]))
 def test_odd_materials_get_a_page(samples, lobes):
     try:
         brdffit.fit(samples, lobes=lobes)

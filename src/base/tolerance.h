@@ -67,6 +67,10 @@
  * column, of a small constant times m n u (Higham, Accuracy and Stability, theorem 19.4). */
 #define TOL_TRIANGLE 4.0
 
+/* What the search allows for the geometry of a point is more by this part than what the published one will be charged, at
+ * rounded roughness and with another objective. */
+#define TOL_ALLOWANCE 1e-6
+
 /* Ends of the range of theta = ln s, in units of u relative to 1 + |theta|: kernel_log within 2 ulp (4 u |theta|), its
  * rounding, and 3 u in s of sigma^-2. The range that is searched is wider by this on each side. */
 #define TOL_END 8.0

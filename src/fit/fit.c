@@ -3,6 +3,7 @@
  */
 #include "fit/fit.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "fit/published.h"
@@ -54,10 +55,10 @@ static int report_reduced(const struct fit *f, const brdffit_options *o)
 static double try_published(void *self, struct point *point)
 {
     struct fit *f = self;
-    double objective = f->try_point(f, point);
+    double objective = f->try_point(f, point), allowed = objective + brdffit_fit_allowance(f, point, objective);
 
     f->least = fmin(f->least, objective);
-    return objective + brdffit_fit_allowance(f, objective);
+    return allowed < DBL_MAX ? allowed : objective; /* where nothing can be known there is an incumbent all the same */
 }
 
 /*

@@ -249,17 +249,12 @@ double brdffit_fit_triangle_error(const struct reduced *r)
            (double)((REDUCE_BLOCK + width) * width);
 }
 
-/* What the rounding of geometry makes of the objective. */
-static double geometry_error(const struct fit *f, const struct scales *v, double objective)
+/* What the rounding of geometry makes of an objective at a point. */
+static double geometry_error(const struct fit *f, const double *theta, double objective)
 {
-    double theta[BRDFFIT_MAX_LOBES], error;
-    struct doubt doubt;
-    int p;
+    struct doubt doubt = brdffit_charge_box(&f->data, &f->model, theta, theta);
+    double error;
 
-    for (p = 0; p < f->model.lobes; p++) {
-        theta[p] = kernel_log(v->s[p].high);
-    }
-    doubt = brdffit_charge_box(&f->data, &f->model, theta, theta);
     error = (doubt.error + doubt.hidden) * f->data.table[0].charge.root;
     return !(error > 0.0) ? 0.0 : f->norm == BRDFFIT_NORM_L2 ? (2.0 * sqrt(objective) + error) * error : error;
 }
@@ -267,6 +262,7 @@ static double geometry_error(const struct fit *f, const struct scales *v, double
 struct published brdffit_fit_publish(struct fit *f, const double *sigma)
 {
     struct published out = {.objective = 0.0};
+    double theta[BRDFFIT_MAX_LOBES];
     size_t k, lobes = (size_t)f->model.lobes, p;
     struct scales v;
 
@@ -287,18 +283,22 @@ struct published brdffit_fit_publish(struct fit *f, const double *sigma)
                     f->data.channel_scale[k];
     }
     out.error += f->rows_error * f->data.total + 4.0 * (double)f->data.channels * TOL_UNIT * out.objective;
-    out.error += geometry_error(f, &v, out.objective);
+    for (p = 0; p < lobes; p++) {
+        theta[p] = kernel_log(v.s[p].high);
+    }
+    out.error += geometry_error(f, theta, out.objective);
     return out;
 }
 
-double brdffit_fit_allowance(const struct fit *f, double objective)
+double brdffit_fit_allowance(const struct fit *f, const struct point *at, double objective)
 {
-    double unit = TOL_PUBLISHED * TOL_UNIT, total = f->data.total;
+    double unit = TOL_PUBLISHED * TOL_UNIT, total = f->data.total, geometry;
 
+    geometry = geometry_error(f, at->theta, objective) * (1.0 + TOL_ALLOWANCE);
     if (f->norm != BRDFFIT_NORM_L2) {
-        return 4.0 * unit * total;
+        return 4.0 * unit * total + geometry;
     }
     unit = 2.0 * (2.0 * unit + f->triangle_error);
-    return 2.0 * unit * sqrt(objective) * sqrt(total) + unit * unit * total + f->rows_error * total +
+    return 2.0 * unit * sqrt(objective) * sqrt(total) + unit * unit * total + f->rows_error * total + geometry +
            (16.0 + 8.0 * (double)f->data.channels) * TOL_UNIT * objective;
 }

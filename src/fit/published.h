@@ -25,6 +25,6 @@ double brdffit_fit_triangle_error(const struct reduced *reduced);
  * What brdffit_fit_publish() may add to an objective met on the way: the search proves that much more, so that what it
  * closes is closed when the final numbers are in.
  */
-double brdffit_fit_allowance(const struct fit *fit, double objective);
+double brdffit_fit_allowance(const struct fit *fit, const struct point *at, double objective);
 
 #endif

@@ -275,18 +275,12 @@ static unsigned curved_lobes(const struct fit *f, const struct varpro_value *val
     return curved;
 }
 
-/* The range of every lobe reaches down to this roughness; infinity where no lobe is left. */
-static double sigma_floor(const struct fit *f, const brdffit_options *o)
+/* What is proven of a lobe is proven down to this roughness; infinity where no lobe of its kind is left. */
+static double sigma_floor(const struct fit *f, int p, const brdffit_options *o)
 {
-    double largest = 0.0;
-    int kind;
+    const struct domain *d = fit_domain(f, p);
 
-    for (kind = 0; kind < f->model.kinds; kind++) {
-        const struct domain *d = &f->domain[kind];
-
-        largest = fmax(largest, d->flat < d->low ? INFINITY : brdffit_fit_sigma(f, kind, d->flat, o));
-    }
-    return largest;
+    return d->flat < d->low ? (double)INFINITY : brdffit_fit_sigma(f, f->model.lobe[p].kind, d->flat, o);
 }
 
 /* Below this roughness the data see no change of any lobe. */
@@ -329,6 +323,7 @@ static void publish(struct fit *f, const brdffit_options *o)
 {
     brdffit_result *result = &f->handout->result;
     size_t k;
+    int p;
 
     if (o->normalise == BRDFFIT_NORMALISE_NONE) {
         for (k = 0; k < f->data.channels; k++) {
@@ -337,7 +332,10 @@ static void publish(struct fit *f, const brdffit_options *o)
     }
     result->channel_scale = f->data.channel_scale;
     result->rms = f->rms;
-    result->sigma_floor = sigma_floor(f, o);
+    for (p = 0; p < f->model.lobes; p++) {
+        f->handout->lobe[p].sigma_floor = sigma_floor(f, p, o);
+        result->sigma_floor = fmax(result->sigma_floor, f->handout->lobe[p].sigma_floor);
+    }
     result->sigma_tail = sigma_tail(f, o);
     result->distinct_c = f->data.distinct;
     result->channels_zero = f->data.channels_zero;

@@ -89,6 +89,7 @@ static double sensitivity(double s, double c)
 
 const struct lobe_kind brdffit_lobe_ggx = {
     .name = "ggx",
+    .title = "GGX",
     .row = brdffit_cook_torrance_row,
     .table_kind = TABLE_ROW_SHADOWED,
     .table_factor = brdffit_cook_torrance_table_factor,

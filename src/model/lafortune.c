@@ -61,6 +61,7 @@ static double lambda(double s)
 
 const struct lobe_kind brdffit_lobe_lafortune = {
     .name = "lafortune",
+    .title = "Lafortune",
     .by_exponent = 1,
     .mirrored = 1,
     .row = row,

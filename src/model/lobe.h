@@ -34,7 +34,8 @@ enum table_row_kind {
 };
 
 struct lobe_kind {
-    const char *name;
+    const char *name;  /* as an option takes it */
+    const char *title; /* as a sentence has it */
     int by_exponent; /* the user's parameter is the exponent n = s, and not sigma = 1 / sqrt(s) */
     int exponential; /* the fast case: ell = -c' whatever u is, and slope = 0 */
     int mirrored;    /* b and c are made of r.v, and not of alpha */

@@ -36,6 +36,11 @@ const char *brdffit_distribution_string(brdffit_distribution distribution)
     return is_ours(distribution) ? table[distribution]->name : "unknown";
 }
 
+const char *brdffit_distribution_title(brdffit_distribution distribution)
+{
+    return is_ours(distribution) ? table[distribution]->title : "unknown";
+}
+
 const char *brdffit_parameter_string(brdffit_distribution distribution)
 {
     return !is_ours(distribution) ? "unknown" : table[distribution]->by_exponent ? "exponent" : "sigma";

@@ -37,6 +37,7 @@ static double lambda(double s)
 
 const struct lobe_kind brdffit_lobe_torrance_sparrow = {
     .name = "torrance-sparrow",
+    .title = "Torrance-Sparrow",
     .row = row,
     .table_kind = TABLE_ROW_SHADOWED,
     .table_factor = table_factor,

@@ -30,6 +30,7 @@ static double lambda(double s)
 
 const struct lobe_kind brdffit_lobe_ward = {
     .name = "ward",
+    .title = "Ward",
     .row = row,
     .table_kind = TABLE_ROW_ROOT,
     .table_factor = table_factor,

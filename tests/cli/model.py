@@ -88,46 +88,54 @@ def read_merl(path, bins):
 
 
 class Samples:
-    """Radiance, weights and (a, b, c) of the samples that a fit with these settings uses."""
+    """Radiance, weights and (a, b, c) of the samples that a fit with these settings uses; b and c of each lobe."""
 
-    def __init__(self, path, quantity, max_incidence=60.0, merl_bins=None, distribution="beckmann"):
+    def __init__(self, path, quantity, max_incidence=60.0, merl_bins=None, distributions=("beckmann",)):
+        def coefficients(*vectors):
+            every = [directions_to_abc(*vectors, distribution=d) for d in distributions]
+            a, _, _, nl, nv = every[0]
+            return a, [one[1] for one in every], [one[2] for one in every], nl, nv
+
         if merl_bins is not None:
             light, view, values = read_merl(path, merl_bins)
             names, weights = ["r", "g", "b"], np.ones(len(light))
-            a, b, c, nl, nv = directions_to_abc(light, view, distribution=distribution)
+            a, b, c, nl, nv = coefficients(light, view)
         else:
             header, rows = read_text(path)
             column = {name: rows[:, i] for i, name in enumerate(header)}
             weights = column.pop("weight", np.ones(len(rows)))
             if "a" in column:
                 a, b, c = (column.pop(k) for k in "abc")
+                b, c = ([one] * len(distributions) for one in (b, c))
                 nl = nv = np.ones(len(rows))
             elif "lx" in column:
                 vectors = [np.stack([column.pop(x + k) for k in "xyz"], -1) for x in "lvn" if x + "x" in column]
                 vectors = [v / np.linalg.norm(v, axis=1, keepdims=True) for v in vectors]
-                a, b, c, nl, nv = directions_to_abc(*vectors, distribution=distribution)
+                a, b, c, nl, nv = coefficients(*vectors)
             else:
                 ti, to = column.pop("theta_i"), column.pop("theta_o")
                 pi, po = column.pop("phi_i", 0 * ti), column.pop("phi_o", 0 * to + 180)
-                a, b, c, nl, nv = directions_to_abc(unit(ti, pi), unit(to, po), distribution=distribution)
+                a, b, c, nl, nv = coefficients(unit(ti, pi), unit(to, po))
             names, values = list(column), np.stack(list(column.values()), -1)
         # Exactly 60 degrees belongs to 60; the cosine's rounding does not decide.
         limit = 0.0 if max_incidence >= 90 else math.cos(math.radians(max_incidence)) - 1e-9
         used = ~np.isnan(values).any(1) & (weights > 0) & (nl > 1e-15) & (nv > 1e-15) & (nl >= limit)
         self.names, self.used, self.total = names, int(used.sum()), len(used)
-        self.a, self.b, self.c, self.weights = a[used], b[used], c[used], weights[used]
+        self.a, self.weights, self.distributions = a[used], weights[used], distributions
+        self.b, self.c = ([one[used] for one in every] for every in (b, c))
         self.radiance = values[used] * (nl[used, None] if quantity == "brdf" else 1.0)
 
-    def prediction(self, distribution, sigma, x, y):
+    def prediction(self, sigma, x, y):
         """Radiance, used samples x channels."""
         out = self.a[:, None] * np.asarray(x)[None, :]
         for p, roughness in enumerate(sigma):
-            out = out + (self.b * shape(distribution, 1 / roughness ** 2, self.c))[:, None] * np.asarray(y)[None, :, p]
+            lobe = self.b[p] * shape(self.distributions[p], 1 / roughness ** 2, self.c[p])
+            out = out + lobe[:, None] * np.asarray(y)[None, :, p]
         return out
 
     def figures(self, line):
         """What the norm minimises, in the units that were minimised; RMS a channel in the data's."""
-        residual = self.radiance - self.prediction(line["distribution"], line["sigma"], line["x"], line["y"])
+        residual = self.radiance - self.prediction(line["sigma"], line["x"], line["y"])
         squares = np.array([math.fsum(self.weights * r * r) for r in residual.T])
         scale = np.array(line["channel_scale"])
         absolute = np.abs(residual) / scale
@@ -138,7 +146,7 @@ class Samples:
 
 def check_line(line, path):
     """Everything in a line of a finished fit that its file can confirm."""
-    samples = Samples(path, line["quantity"], line["max_incidence"], line["merl_bins"], line["distribution"])
+    samples = Samples(path, line["quantity"], line["max_incidence"], line["merl_bins"], line["distributions"])
     assert line["channels"] == samples.names
     assert line["samples_used"] == samples.used
     e2, rms = samples.figures(line)

@@ -33,7 +33,9 @@ def save(folder, *lines):
 @pytest.mark.parametrize("options", [
     ["two_lobe_satin.csv", "--norm", "l1"], ["mis.csv", "--norm", "linf", "--normalise", "none"],
     ["two_lobe_satin.csv"], ["two_lobe_satin.csv", "--lobes", "2"], ["ggx_metal.csv", "--distribution", "ggx"],
-    ["two_lobe_satin.csv", "--distribution", "lafortune", "--lobes", "2"],
+    ["two_lobe_satin.csv", "--distribution", "lafortune", "--lobes", "2"], ["matte.csv", "--lobes", "3"],
+    ["two_lobe_satin.csv", "--lobes", "ward,blinn-phong"], ["two_lobe_table.binary", "--lobes", "beckmann,ggx"],
+    ["two_lobe_table.binary", "--lobes", "blinn-phong,ggx,blinn-phong", "--gap", "0.1"],
     ["two_lobe_table.binary", "--distribution", "ashikhmin-shirley"],
     ["matte.csv", "--normalise", "none"], ["two_lobe_satin.csv", "--max-incidence", "off"],
     ["two_lobe_satin.csv", "--values", "radiance"], ["mis.csv", "--lobes", "2"], ["mixed.csv"], ["vectors.csv"],
@@ -149,15 +151,27 @@ def test_contract_alone_is_enough(desk):
     assert here == pytest.approx(line["e2"], rel=1e-12)
 
 
+def test_a_line_without_a_list(desk):
+    """Lines of a time before lists had one distribution for all lobes."""
+    (line,) = harness.fit("two_lobe_satin.csv", "--lobes", "2", "--distribution", "blinn-phong", cwd=desk)
+    del line["distributions"]
+    save(desk, line)
+    here, _, _ = figures(harness.run("eval", "fits.json", "two_lobe_satin.csv", cwd=desk).stderr)
+    assert here == pytest.approx(line["e2"], rel=1e-12)
+
+
 def spoil(line, name, value):
     return dict(line, **{name: value})
 
 
 @pytest.mark.parametrize("name, value", [
-    ("schema", "brdffit.fit/2"), ("lobes", 3), ("lobes", "1"), ("sigma", [0]), ("sigma", [-1]), ("sigma", []), ("sigma", None),
+    ("schema", "brdffit.fit/2"), ("lobes", 0), ("lobes", 4), ("lobes", "1"), ("sigma", [0]), ("sigma", [-1]), ("sigma", []),
+    ("sigma", None),
     ("x", []), ("x", [1, 2, "3"]), ("x", [1, 2, -3]), ("y", [[1], [1]]), ("y", [[1], [1], [1, 2]]), ("y", [[1], [1], [1e999]]),
     ("channel_scale", [1, 1]), ("channel_scale", [1, 1, 0]), ("e2", None), ("e2", -1), ("rms", "none"), ("distribution", "phong"),
-    ("distribution", 7), ("channels", ["r"]), ("channels", [1, 2, 3]), ("quantity", "flux"), ("merl_bins", "middle"),
+    ("distribution", 7), ("distributions", "ggx"), ("distributions", []), ("distributions", ["beckmann", "ggx"]),
+    ("distributions", ["phong"]), ("distributions", [None]), ("distributions", ["ggx"]), ("channels", ["r"]),
+    ("channels", [1, 2, 3]), ("quantity", "flux"), ("merl_bins", "middle"),
     ("merl_samples", "gone.csv"), ("max_incidence", 0), ("max_incidence", "off"),
 ])
 def test_damaged_lines(desk, name, value):

@@ -13,7 +13,7 @@ import harness
 import model
 
 REQUIRED = {
-    "schema": str, "file": str, "status": str, "distribution": str, "norm": str, "lobes": int, "sigma": list, "x": list,
+    "schema": str, "file": str, "status": str, "distributions": list, "norm": str, "lobes": int, "sigma": list, "x": list,
     "y": list, "channel_scale": list, "e2": (int, float), "objective": (int, float), "lower_bound": (int, float),
     "gap": (int, float), "rms": list,
     "samples_used": int, "samples_skipped": dict, "boxes": int, "nodes": int, "seconds": dict,
@@ -22,14 +22,33 @@ SKIPS = {"zero_weight", "light_below_horizon", "view_below_horizon", "incidence"
 
 
 def check_exponents(line):
-    """n and sigma = 1/sqrt(n) say the same; distributions by sigma have no n."""
-    if line["distribution"] not in model.EXPONENTS:
+    """n and sigma = 1/sqrt(n) say the same; lobes by sigma have no n."""
+    by_n = [p for p, name in enumerate(line["distributions"]) if name in model.EXPONENTS]
+    if not by_n:
         assert not {"exponent", "exponent_interval", "exponent_range"} & set(line)
         return
-    assert np.allclose(np.array(line["exponent"]) * np.array(line["sigma"]) ** 2, 1, rtol=1e-14)
-    assert np.allclose(np.array(line["exponent_interval"])[:, ::-1] * np.array(line["sigma_interval"]) ** 2, 1, rtol=1e-14)
-    assert np.allclose(np.array(line["exponent_range"])[::-1] * np.array(line["sigma_range"]) ** 2, 1, rtol=1e-14)
-    assert all(low == n <= high for n, (low, high) in zip(line["exponent"], line["exponent_interval"]))
+    for p in range(line["lobes"]):
+        if p not in by_n:
+            assert line["exponent"][p] is None and line["exponent_interval"][p] is None
+            continue
+        n, (low, high) = line["exponent"][p], line["exponent_interval"][p]
+        assert low == n <= high
+        assert n * line["sigma"][p] ** 2 == pytest.approx(1, rel=1e-14)
+        assert np.allclose(np.array([high, low]) * np.array(line["sigma_interval"][p]) ** 2, 1, rtol=1e-14)
+    if len(by_n) == line["lobes"]:
+        assert np.allclose(np.array(line["exponent_range"])[::-1] * np.array(line["sigma_range"]) ** 2, 1, rtol=1e-14)
+
+
+def check_order(line):
+    """Lobes of one distribution stand together, ascending, each within the range of its parameter."""
+    names, sigma = line["distributions"], line["sigma"]
+    assert names == sorted(names, key=names.index)
+    assert line["distribution"] == (names[0] if len(set(names)) == 1 else None)
+    for p, name in enumerate(names):
+        assert p == 0 or names[p - 1] != name or sigma[p - 1] <= sigma[p]
+        value, (low, high) = (line["exponent"][p], line["exponent_range"]) if name in model.EXPONENTS else (
+            sigma[p], line["sigma_range"])
+        assert low <= value <= high
 
 
 def check_contract(line, lobes):
@@ -37,7 +56,7 @@ def check_contract(line, lobes):
         assert isinstance(line[name], kind), name
     channels = len(line["channels"])
     assert line["schema"] == "brdffit.fit/1"
-    assert line["lobes"] == lobes
+    assert line["lobes"] == len(line["distributions"]) == lobes
     assert line["norm"] in ("l2", "l1", "linf")
     assert line["objective"] == line["e2"]
     for name in ("sigma", "weight", "effective_samples", "sigma_interval", "warnings"):
@@ -45,8 +64,7 @@ def check_contract(line, lobes):
     for name in ("x", "y", "channel_scale", "rms"):
         assert len(line[name]) == channels, name
     assert all(len(row) == lobes for row in line["y"])
-    assert line["sigma"] == sorted(line["sigma"])
-    assert all(line["sigma_range"][0] <= s <= line["sigma_range"][1] for s in line["sigma"])
+    check_order(line)
     assert all(low <= s <= high for s, (low, high) in zip(line["sigma"], line["sigma_interval"]))
     check_exponents(line)
     assert min(line["x"]) >= 0 and min(min(row) for row in line["y"]) >= 0
@@ -90,6 +108,31 @@ def test_every_line_is_true(desk, name, distribution, lobes):
     samples = model.check_line(line, desk / name)
     total = line["samples_used"] + sum(line["samples_skipped"].values())
     assert total == (13500 if name.endswith(".binary") else samples.total)
+
+
+LISTS = ["ggx,blinn-phong", "beckmann,ggx", "blinn-phong,ward,blinn-phong", "ashikhmin-shirley,torrance-sparrow", "ggx,ggx,ggx"]
+
+
+@pytest.mark.parametrize("names", LISTS)
+@pytest.mark.parametrize("name", ["two_lobe_satin.csv", "matte.csv", "mixed.csv", "vectors.csv", "two_lobe_table.binary"])
+def test_every_line_of_a_list_is_true(desk, name, names):
+    (line,) = harness.fit(name, "--lobes", names, "--gap", "0.05", cwd=desk)
+    given = names.split(",")
+    check_contract(line, len(given))
+    assert line["status"] == "certified"
+    assert line["distributions"] == sorted(given, key=given.index)
+    model.check_line(line, desk / name)
+
+
+@pytest.mark.parametrize("engine", [["--norm", "l1"], ["--norm", "linf"], ["--engine", "socp"]], ids=" ".join)
+def test_every_line_of_a_list_is_true_otherwise(desk, engine):
+    if not harness.has_ecos():
+        pytest.skip("this build is without ECOS")
+    for names in ("ggx,blinn-phong", "ward,beckmann"):
+        (line,) = harness.fit("mixed.csv", "--lobes", names, "--gap", "0.1", *engine, cwd=desk)
+        check_contract(line, 2)
+        assert line["status"] == "certified"
+        model.check_line(line, desk / "mixed.csv")
 
 
 @pytest.mark.parametrize("options", [

@@ -146,7 +146,7 @@ def test_usage(folder):
     refuse(folder, "stack.npy", "-g", "geometry.csv", "--format", "pfm", says="needs a folder", expect=2)
     refuse(folder, "a.npy", "b.npy", says="needs one STACK", expect=2)
     refuse(folder, "none.npy", "-g", "geometry.csv", says="none.npy: there is no such file", expect=1)
-    refuse(folder, "stack.npy", "-g", "geometry.csv", "--lobes", "3", says="--lobes does not take '3'", expect=2)
+    refuse(folder, "stack.npy", "-g", "geometry.csv", "--lobes", "4", says="--lobes does not take '4'", expect=2)
 
 
 def test_damaged(folder, tmp_path):

@@ -37,7 +37,8 @@ def merge(folder, *arguments, expect=0, **more):
 
 
 @pytest.mark.parametrize("count", [1, 3, 11, 14])
-@pytest.mark.parametrize("options", [(), ("--lobes", "2", "--merl-samples", "matte.csv")], ids=" ".join)
+@pytest.mark.parametrize("options", [(), ("--lobes", "2", "--merl-samples", "matte.csv"),
+                                     ("--lobes", "ggx,lafortune", "--gap", "0.1")], ids=" ".join)
 def test_the_bytes_of_one_run(desk, count, options):
     whole = harness.run("fit", "--json", *options, *FILES, cwd=desk)
     codes = fit_parts(desk, count, *options)
@@ -211,7 +212,8 @@ def stack(tmp_path):
 COMMAND = ["stack.npy", "-g", "geometry.csv", "--tile", "1"]
 
 
-@pytest.mark.parametrize("options", [("--lobes", "2"), ("--distribution", "blinn-phong", "--gap", "1e-5", "--values", "radiance",
+@pytest.mark.parametrize("options", [("--lobes", "2"), ("--lobes", "ggx,blinn-phong", "--gap", "0.05"),
+                                     ("--distribution", "blinn-phong", "--gap", "1e-5", "--values", "radiance",
                                       "--exponent-max", "1e5", "--absolute-gap", "1e-9", "--normalise", "none"),
                                      ("--sigma-min", "0.02", "--sigma-max", "3", "--max-incidence", "50", "--resolution",
                                       "1e-9", "--box-budget", "99999")],
@@ -272,7 +274,8 @@ def test_maps_that_are_not_all_there(stack):
     assert "one at a time" in merge(stack, "m", "m", expect=2).stderr
     manifest = (work / "manifest").read_text()
     for old, new, says in [("brdffit map 1", "another thing", "is not one of 'brdffit map'"),
-                           ("version ", "version 9", "version 9"), ("--lobes 1", "--lobes 3", "damaged"),
+                           ("version ", "version 9", "version 9"), ("--lobes 1", "--lobes 4", "damaged"),
+                           ("--lobes 1", "--lobes ggx,phong", "damaged"), ("--lobes 1", "--lobes ", "damaged"),
                            ("maps of", "of", "damaged"), ("--tile 1", "--tile 0", "damaged"),
                            ("--gap", "--gag", "damaged"), ("6 x 5 x", "6 x 99999999999999 x", "damaged"),
                            ("6 x 5 x", "5 x 6 x", "5 of 5 tiles are missing or damaged"),

@@ -35,8 +35,8 @@ def test_noisy_truth_is_found(instruments):
     (line,) = harness.fit("--lobes", "2", "two_lobe_satin.csv", cwd=instruments)
     assert line["sigma"] == pytest.approx(truth["sigma"], rel=0.03)
     assert np.allclose(line["y"], truth["y"], rtol=0.03)
-    samples = model.Samples(instruments / "two_lobe_satin.csv", "brdf")
-    exact = samples.prediction("beckmann", truth["sigma"], truth["x"], truth["y"])
+    samples = model.Samples(instruments / "two_lobe_satin.csv", "brdf", distributions=["beckmann"] * 2)
+    exact = samples.prediction(truth["sigma"], truth["x"], truth["y"])
     noise = np.sqrt(np.mean((samples.radiance - exact) ** 2, 0))
     assert np.all(np.array(line["rms"]) <= noise * (1 + 1e-12))
     assert line["rms"] == pytest.approx(noise, rel=0.1)
@@ -46,7 +46,7 @@ def test_fit_is_no_worse_than_truth(instruments):
     """A global optimum lies at or below the E^2 of the truth."""
     truth = truth_of(instruments, "two_lobe_satin.csv")
     (line,) = harness.fit("--lobes", "2", "two_lobe_satin.csv", cwd=instruments)
-    samples = model.Samples(instruments / "two_lobe_satin.csv", "brdf")
+    samples = model.Samples(instruments / "two_lobe_satin.csv", "brdf", distributions=["beckmann"] * 2)
     e2, _ = samples.figures(dict(line, sigma=truth["sigma"], x=truth["x"], y=truth["y"]))
     assert line["lower_bound"] <= e2
     assert line["e2"] <= (1 + line["relative_gap"]) * e2
@@ -55,8 +55,8 @@ def test_fit_is_no_worse_than_truth(instruments):
 def test_instrument_follows_the_model(instruments):
     """The goniometer's formula and the numpy one agree on the exact file to rounding."""
     truth = truth_of(instruments, "two_lobe_exact.csv")
-    samples = model.Samples(instruments / "two_lobe_exact.csv", "brdf", max_incidence=90)
-    exact = samples.prediction("beckmann", truth["sigma"], truth["x"], truth["y"])
+    samples = model.Samples(instruments / "two_lobe_exact.csv", "brdf", max_incidence=90, distributions=["beckmann"] * 2)
+    exact = samples.prediction(truth["sigma"], truth["x"], truth["y"])
     assert np.allclose(samples.radiance, exact, rtol=1e-13)
 
 
@@ -91,8 +91,8 @@ def test_same_seed_same_bytes(instruments, tmp_path):
 def test_outliers(instruments, tmp_path):
     """Exactly the fraction asked for is spoilt; the rest follows the model to the noise."""
     truth = truth_of(instruments, "two_lobe_outliers.csv")
-    samples = model.Samples(instruments / "two_lobe_outliers.csv", "brdf", max_incidence=90)
-    exact = samples.prediction("beckmann", truth["sigma"], truth["x"], truth["y"])
+    samples = model.Samples(instruments / "two_lobe_outliers.csv", "brdf", max_incidence=90, distributions=["beckmann"] * 2)
+    exact = samples.prediction(truth["sigma"], truth["x"], truth["y"])
     assert len(truth["outliers"]) == round(0.1 * samples.total) == len(set(truth["outliers"]))
     good = np.ones(samples.total, bool)
     good[truth["outliers"]] = False

@@ -1,7 +1,8 @@
 /*
  * How many boxes a search bounds at each level: the clustering of first-order bounds, seen.
  *
- *     bench_boxes [--engine moment|socp] [--lobes 1|2] [--norm l2|linf] [--gap G] [--resolution R] [--budget N] FILE...
+ *     bench_boxes [--engine moment|socp] [--lobes 1|2|3|NAME,...] [--norm l2|linf] [--gap G] [--resolution R] [--budget N]
+ *                 FILE...
  *
  * One JSON object a line and file: the result, its time, and "levels", where levels[j] is the number of boxes whose
  * sides were halved j times (in ln sigma, summed over the lobes) since the first partition.
@@ -15,6 +16,7 @@
 #include <time.h>
 
 #include "brdffit_io.h"
+#include "lobes.h"
 
 #define LEVELS 256
 
@@ -48,8 +50,12 @@ static void print(const brdffit_result *r, const brdffit_options *o, double seco
            brdffit_engine_string(o->engine), brdffit_norm_string(o->norm), o->lobes, r->e2, r->lower_bound);
     printf("\"sum_of_squares\": %.17g, \"rms_total\": %.17g, \"sigma\": [%.17g%s", r->sum_of_squares, r->rms_total,
            r->model->sigma[0], o->lobes > 1 ? ", " : "");
-    if (o->lobes > 1) {
-        printf("%.17g", r->model->sigma[1]);
+    for (j = 1; j < o->lobes; j++) {
+        printf("%.17g%s", r->model->sigma[j], j + 1 < o->lobes ? ", " : "");
+    }
+    printf("], \"distributions\": [");
+    for (j = 0; j < o->lobes; j++) {
+        printf("%s\"%s\"", j ? ", " : "", brdffit_distribution_string(r->model->distributions[j]));
     }
     printf("], \"stop\": \"%s\", \"certified\": %s, \"boxes\": %zu, \"solved\": %zu, \"refused\": %zu, "
            "\"decided\": %zu, \"seconds\": %.6g, \"levels\": [",
@@ -89,6 +95,8 @@ static int run(const char *path, brdffit_options *o)
     return good;
 }
 
+static brdffit_distribution list[BRDFFIT_MAX_LOBES];
+
 static int set(brdffit_options *o, const char *name, const char *value)
 {
     if (strcmp(name, "--engine") == 0) {
@@ -100,8 +108,7 @@ static int set(brdffit_options *o, const char *name, const char *value)
         return strcmp(value, brdffit_norm_string(o->norm)) == 0;
     }
     if (strcmp(name, "--lobes") == 0) {
-        o->lobes = atoi(value);
-        return o->lobes == 1 || o->lobes == 2;
+        return bench_lobes(value, o, list);
     }
     if (strcmp(name, "--gap") == 0) {
         o->relative_gap = strtod(value, NULL);
@@ -128,8 +135,8 @@ int main(int argc, char **argv)
         i += 2;
     }
     if (i >= argc || argv[i][0] == '-') {
-        fprintf(stderr, "usage: bench_boxes [--engine moment|socp] [--lobes 1|2] [--norm l2|linf] [--gap G] "
-                        "[--resolution R] [--budget N] FILE...\n");
+        fprintf(stderr, "usage: bench_boxes [--engine moment|socp] [--lobes 1|2|3|NAME,...] [--norm l2|linf] "
+                        "[--gap G] [--resolution R] [--budget N] FILE...\n");
         return 2;
     }
     for (; i < argc; i++) {

@@ -15,13 +15,17 @@
 #include <unistd.h>
 
 #include "brdffit_io.h"
+#include "lobes.h"
 
 #define MOST_REPEATS 1001
 /* E^2 this close are the same minimum: where E^2 is flat to 1e-12, a fit reports the largest sigma. */
 #define SAME 1e-11
 
 struct settings {
-    int repeat, lobes[2], step[2]; /* lobes[i]: fit with i + 1 lobes; step: log2 of the brute force's, 0: none */
+    /* lobes[i]: fit with i + 1 lobes; step: log2 of the brute force's, 0: none */
+    int repeat, lobes[BRDFFIT_MAX_LOBES], step[BRDFFIT_MAX_LOBES];
+    const brdffit_distribution *distributions; /* of each lobe; NULL: `distribution` */
+    brdffit_distribution list[BRDFFIT_MAX_LOBES];
     int markdown, quiet;
     double gap;
     const char *brute;
@@ -90,6 +94,7 @@ static int time_fit(const struct settings *s, const char *file, const brdffit_sa
     brdffit_options_init(&options);
     options.lobes = lobes;
     options.distribution = s->distribution;
+    options.distributions = s->distributions;
     options.relative_gap = s->gap;
     options.progress = at_reduced;
     options.progress_user = &reduced;
@@ -309,6 +314,25 @@ static int bench(const struct settings *s, int lobes)
     return good;
 }
 
+/* both: one and two. */
+static int read_lobes(struct settings *s, const char *value)
+{
+    brdffit_options options = {0};
+    int i;
+
+    if (strcmp(value, "both") == 0) {
+        return 1;
+    }
+    if (!bench_lobes(value, &options, s->list)) {
+        return 0;
+    }
+    s->distributions = options.distributions;
+    for (i = 0; i < BRDFFIT_MAX_LOBES; i++) {
+        s->lobes[i] = i + 1 == options.lobes;
+    }
+    return 1;
+}
+
 static int read_value(struct settings *s, const char *name, const char *value)
 {
     char end;
@@ -317,9 +341,7 @@ static int read_value(struct settings *s, const char *name, const char *value)
         return sscanf(value, "%d%c", &s->repeat, &end) == 1 && s->repeat >= 1 && s->repeat <= MOST_REPEATS;
     }
     if (strcmp(name, "--lobes") == 0) {
-        s->lobes[0] = strcmp(value, "2") != 0;
-        s->lobes[1] = strcmp(value, "1") != 0;
-        return !s->lobes[0] || !s->lobes[1] || strcmp(value, "both") == 0;
+        return read_lobes(s, value);
     }
     if (strcmp(name, "--brute-step") == 0) {
         return sscanf(value, "%d,%d%c", &s->step[0], &s->step[1], &end) == 2 && s->step[0] >= 0 && s->step[1] >= 0;
@@ -360,16 +382,22 @@ static int read_arguments(struct settings *s, int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    struct settings s = {.repeat = 5, .lobes = {1, 1}, .step = {11, 7}, .gap = 1e-3};
+    struct settings s = {.repeat = 5, .lobes = {1, 1, 0}, .step = {11, 7, 0}, .gap = 1e-3};
     int lobes, good = 1;
 
     if (!read_arguments(&s, argc, argv)) {
-        fprintf(stderr, "usage: bench_fit [--repeat R] [--lobes 1|2|both] [--brute-step M1,M2] [--brute PROGRAM]\n"
-                        "                 [--gap G] [--distribution beckmann|ggx] [--markdown] [--quiet] FILE.csv...\n"
-                        "M1, M2: the brute force's step is 2^-M, for one and two lobes; 0: leave it out.\n");
+        fprintf(
+            stderr,
+            "usage: bench_fit [--repeat R] [--lobes 1|2|both|3|NAME,...] [--brute-step M1,M2] "
+            "[--brute PROGRAM]\n"
+            "                 [--gap G] [--distribution beckmann|ggx] [--markdown] [--quiet] FILE.csv...\n"
+            "M1, M2: the brute force's step is 2^-M, for one and two lobes; 0: leave it out. With three, and with names, it is.\n");
         return 2;
     }
-    for (lobes = 1; lobes <= 2; lobes++) {
+    if (s.distributions) { /* which the brute force does not know */
+        memset(s.step, 0, sizeof s.step);
+    }
+    for (lobes = 1; lobes <= BRDFFIT_MAX_LOBES; lobes++) {
         good = (!s.lobes[lobes - 1] || bench(&s, lobes)) && good;
     }
     return good ? 0 : 1;

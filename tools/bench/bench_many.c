@@ -1,7 +1,8 @@
 /*
  * bench_many: certified fits of the texels of a synthetic map with one shared geometry, texels per second.
  *
- *   bench_many [--lobes N] [--size N] [--gap X] [--noise X] [--repeat N] [--isa NAME] [--float] [--csv] [--check N]
+ *   bench_many [--lobes N|NAME,...] [--size N] [--gap X] [--noise X] [--repeat N] [--isa NAME] [--float] [--csv]
+ *              [--check N]
  *
  * The map: size x size texels, 3 channels, 84 samples (the goniometer of the paper: 4 views, 21 lights), image stack
  * layout (sample, texel, channel). Parameters vary smoothly; noise is relative to each texel's largest radiance.
@@ -18,6 +19,7 @@
 #include <time.h>
 
 #include "brdffit.h"
+#include "lobes.h"
 
 #define SAMPLES 84
 #define CHANNELS 3
@@ -25,7 +27,9 @@
 #define PI 3.14159265358979323846
 
 struct settings {
-    int lobes, repeat, single, csv;
+    brdffit_options lobes; /* of which only these */
+    brdffit_distribution list[BRDFFIT_MAX_LOBES];
+    int repeat, single, csv;
     size_t size, check;
     double gap, noise;
     brdffit_isa isa;
@@ -88,23 +92,27 @@ static void make_geometry(double *light, double *view)
 /* Radiance of texel (u, v) in [0, 1]^2, sample by sample. */
 static int render(const struct settings *s, const brdffit_samples *at, double u, double v, double *out)
 {
-    double wave = 0.5 + 0.5 * sin(2.0 * PI * (1.5 * u + 0.5 * v)), x[CHANNELS], y[CHANNELS * 2], sigma[2];
+    double wave = 0.5 + 0.5 * sin(2.0 * PI * (1.5 * u + 0.5 * v)), x[CHANNELS], sigma[BRDFFIT_MAX_LOBES];
+    double y[CHANNELS * BRDFFIT_MAX_LOBES];
+    const int lobes = s->lobes.lobes;
     brdffit_model model;
     size_t k;
     int p;
 
     brdffit_model_init(&model);
     model.sigma = sigma;
-    model.lobes = s->lobes;
+    model.lobes = lobes;
+    model.distributions = s->lobes.distributions;
     model.channels = CHANNELS;
     model.x = x;
     model.y = y;
     sigma[0] = 0.08 * pow(4.0, u);
     sigma[1] = sigma[0] * (1.5 + 2.0 * v);
+    sigma[2] = sigma[1] * 1.8;
     for (k = 0; k < CHANNELS; k++) {
         x[k] = (0.05 + 0.4 * v) * (1.0 - 0.25 * (double)k * wave);
-        for (p = 0; p < s->lobes; p++) {
-            y[k * (size_t)s->lobes + (size_t)p] = (0.02 + 0.08 * wave) * sigma[p] * (1.0 + 0.2 * (double)k * u);
+        for (p = 0; p < lobes; p++) {
+            y[k * (size_t)lobes + (size_t)p] = (0.02 + 0.08 * wave) * sigma[p] * (1.0 + 0.2 * (double)k * u);
         }
     }
     return brdffit_eval(&model, at, out, NULL) == BRDFFIT_OK;
@@ -208,7 +216,8 @@ static int measure(const struct settings *s, struct run *run)
     geometry.light = light;
     geometry.view = view;
     brdffit_options_init(&options);
-    options.lobes = s->lobes;
+    options.lobes = s->lobes.lobes;
+    options.distributions = s->lobes.distributions;
     options.relative_gap = s->gap;
     options.isa = s->isa;
     plan_size = brdffit_plan_size(&geometry, &options);
@@ -264,13 +273,13 @@ static void print_run(const struct settings *s, const struct run *run)
     if (s->csv) {
         printf("lobes,texels,samples,channels,gap,noise,isa,texels_per_second,seconds,plan_seconds,certified,general,"
                "boxes_per_texel,checked,worst_excess\n");
-        printf("%d,%.0f,%d,%d,%g,%g,%s,%.6g,%.6g,%.6g,%.9g,%zu,%.6g,%zu,%.3g\n", s->lobes, n, SAMPLES, CHANNELS, s->gap,
-               s->noise, brdffit_isa_string(s->isa), rate, run->seconds, run->plan_seconds, share, run->stats.general,
-               (double)run->stats.boxes / n, s->check, run->worst);
+        printf("%d,%.0f,%d,%d,%g,%g,%s,%.6g,%.6g,%.6g,%.9g,%zu,%.6g,%zu,%.3g\n", s->lobes.lobes, n, SAMPLES, CHANNELS,
+               s->gap, s->noise, brdffit_isa_string(s->isa), rate, run->seconds, run->plan_seconds, share,
+               run->stats.general, (double)run->stats.boxes / n, s->check, run->worst);
         return;
     }
     printf("%.0f texels, %d samples, %d channels, %d lobe%s, gap %g, noise %g, isa %s\n", n, SAMPLES, CHANNELS,
-           s->lobes, s->lobes > 1 ? "s" : "", s->gap, s->noise, brdffit_isa_string(s->isa));
+           s->lobes.lobes, s->lobes.lobes > 1 ? "s" : "", s->gap, s->noise, brdffit_isa_string(s->isa));
     printf("  %.0f texels a second (%.3f us each; median of %d); plan %.1f ms\n", rate, 1e6 * run->seconds / n,
            s->repeat, 1e3 * run->plan_seconds);
     printf("  certified %.4f %%, by the general path %zu, boxes a texel %.1f\n", 100.0 * share, run->stats.general,
@@ -280,9 +289,8 @@ static void print_run(const struct settings *s, const struct run *run)
 
 static int usage(void)
 {
-    fprintf(stderr,
-            "usage: bench_many [--lobes N] [--size N] [--gap X] [--noise X] [--repeat N] [--isa NAME] [--float] "
-            "[--csv] [--check N]\n");
+    fprintf(stderr, "usage: bench_many [--lobes N|NAME,...] [--size N] [--gap X] [--noise X] [--repeat N] [--isa NAME] "
+                    "[--float] [--csv] [--check N]\n");
     return 2;
 }
 
@@ -291,7 +299,7 @@ static int set(struct settings *s, const char *name, const char *value)
     int i;
 
     if (strcmp(name, "--lobes") == 0) {
-        s->lobes = atoi(value);
+        return bench_lobes(value, &s->lobes, s->list);
     } else if (strcmp(name, "--size") == 0) {
         s->size = (size_t)atoi(value);
     } else if (strcmp(name, "--gap") == 0) {
@@ -318,10 +326,11 @@ static int set(struct settings *s, const char *name, const char *value)
 
 int main(int argc, char **argv)
 {
-    struct settings s = {.lobes = 1, .repeat = 5, .check = 50, .gap = 1e-3, .noise = 0.01};
+    struct settings s = {.repeat = 5, .check = 50, .gap = 1e-3, .noise = 0.01};
     struct run run;
     int i;
 
+    brdffit_options_init(&s.lobes);
     for (i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--csv") == 0) {
             s.csv = 1;
@@ -333,8 +342,8 @@ int main(int argc, char **argv)
             i++;
         }
     }
-    s.size = s.size ? s.size : s.lobes > 1 ? 64 : 256;
-    if (!(s.lobes >= 1 && s.lobes <= 2 && s.size <= 4096 && s.repeat >= 1 && s.repeat <= MOST_REPEATS)) {
+    s.size = s.size ? s.size : s.lobes.lobes > 1 ? 64 : 256;
+    if (!(s.size <= 4096 && s.repeat >= 1 && s.repeat <= MOST_REPEATS)) {
         return usage();
     }
     if (!measure(&s, &run)) {

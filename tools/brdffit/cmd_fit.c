@@ -30,7 +30,7 @@ void brdffit_cli_fit_help(void)
     struct cli_text text = {0};
     brdffit_cli_text_puts(&text, "Usage: brdffit fit FILE... [options]\n"
                                  "\n"
-                                 "Fit a diffuse term and one or two specular lobes to each FILE (CSV, TSV or\n"
+                                 "Fit a diffuse term and one to three specular lobes to each FILE (CSV, TSV or\n"
                                  "MERL .binary, plain or gzip; - is standard input) and prove how close the\n"
                                  "result is to the best that any such model could reach.\n"
                                  "\n");

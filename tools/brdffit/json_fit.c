@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "failure.h"
+#include "lobes.h"
 #include "shard.h"
 #include "words.h"
 
@@ -98,18 +99,38 @@ void brdffit_cli_json_skipped(struct cli_json *json, const size_t *skipped, cons
     brdffit_cli_json_close(json, '}');
 }
 
+static int any_by_exponent(const brdffit_model *model)
+{
+    int found = 0;
+    for (int p = 0; p < model->lobes; p++) {
+        found |= brdffit_cli_by_exponent(model->distributions[p]);
+    }
+    return found;
+}
+
+/* Null where a lobe is known by sigma; nothing when all are. */
+static void exponents(struct cli_json *json, const brdffit_result *result)
+{
+    if (!any_by_exponent(result->model)) {
+        return;
+    }
+    brdffit_cli_json_open(json, "exponent", '[');
+    for (int p = 0; p < result->model->lobes; p++) {
+        if (brdffit_cli_by_exponent(result->model->distributions[p])) {
+            brdffit_cli_json_number(json, NULL, result->lobe[p]->exponent);
+        } else {
+            brdffit_cli_json_null(json, NULL);
+        }
+    }
+    brdffit_cli_json_close(json, ']');
+}
+
 static void parameters(struct cli_json *json, const brdffit_result *result)
 {
     const brdffit_model *const model = result->model;
     const size_t lobes = (size_t)model->lobes;
     brdffit_cli_json_numbers(json, "sigma", model->sigma, lobes);
-    if (brdffit_cli_by_exponent(model->distribution)) {
-        brdffit_cli_json_open(json, "exponent", '[');
-        for (size_t p = 0; p < lobes; p++) {
-            brdffit_cli_json_number(json, NULL, result->lobe[p]->exponent);
-        }
-        brdffit_cli_json_close(json, ']');
-    }
+    exponents(json, result);
     brdffit_cli_json_numbers(json, "x", model->x, model->channels);
     brdffit_cli_json_open(json, "y", '[');
     for (size_t k = 0; k < model->channels; k++) {
@@ -128,36 +149,40 @@ static void parameters(struct cli_json *json, const brdffit_result *result)
     brdffit_cli_json_number(json, "kkt_residual", result->kkt_residual);
 }
 
-/* What lower_bound is about; null when no lobe is left. */
-static void proven_range(struct cli_json *json, const brdffit_result *result, const brdffit_options *options)
+/* What lower_bound is about, a range for each lobe: of sigma, or with `exponent` of n where it has one. Null: no lobe of its
+ * kind is left. */
+static void proven_ranges(struct cli_json *json, const brdffit_result *result, const brdffit_options *options,
+                          int exponent)
 {
-    const int by_exponent = brdffit_cli_by_exponent(result->model->distribution);
-    const double most = by_exponent ? 1 / sqrt(options->exponent_min) : options->sigma_max;
-    const double sigma[2] = {result->sigma_floor, most};
-    double range[2];
-    if (!isfinite(result->sigma_floor)) {
-        brdffit_cli_json_null(json, "proven_sigma");
-        if (by_exponent) {
-            brdffit_cli_json_null(json, "proven_exponent");
+    brdffit_cli_json_open(json, exponent ? "proven_exponent" : "proven_sigma", '[');
+    for (int p = 0; p < result->model->lobes; p++) {
+        const int by = brdffit_cli_by_exponent(result->model->distributions[p]);
+        const double floor = result->lobe[p]->sigma_floor;
+        const int cut = floor > 1 / sqrt(options->exponent_max);
+        const double sigma[2] = {floor, by ? 1 / sqrt(options->exponent_min) : options->sigma_max};
+        const double n[2] = {options->exponent_min, cut ? (1 - 1e-15) / (floor * floor) : options->exponent_max};
+        if (!isfinite(floor) || (exponent && !by)) {
+            brdffit_cli_json_null(json, NULL);
+        } else {
+            brdffit_cli_json_numbers(json, NULL, exponent ? n : sigma, 2);
         }
-        return;
     }
-    (void)brdffit_cli_proven(result, options, range);
-    brdffit_cli_json_numbers(json, "proven_sigma", sigma, 2);
-    if (by_exponent) {
-        brdffit_cli_json_numbers(json, "proven_exponent", range, 2);
-    }
+    brdffit_cli_json_close(json, ']');
 }
 
 static void exponent_intervals(struct cli_json *json, const brdffit_result *result)
 {
-    if (!brdffit_cli_by_exponent(result->model->distribution)) {
+    if (!any_by_exponent(result->model)) {
         return;
     }
     brdffit_cli_json_open(json, "exponent_interval", '[');
     for (int p = 0; p < result->model->lobes; p++) {
         const double ends[2] = {result->lobe[p]->exponent_low, result->lobe[p]->exponent_high};
-        brdffit_cli_json_numbers(json, NULL, ends, 2);
+        if (brdffit_cli_by_exponent(result->model->distributions[p])) {
+            brdffit_cli_json_numbers(json, NULL, ends, 2);
+        } else {
+            brdffit_cli_json_null(json, NULL);
+        }
     }
     brdffit_cli_json_close(json, ']');
 }
@@ -195,12 +220,26 @@ static void lobes(struct cli_json *json, const brdffit_result *result)
     brdffit_cli_json_close(json, ']');
 }
 
+void brdffit_cli_json_lobes(struct cli_json *json, const brdffit_options *o)
+{
+    if (brdffit_cli_lobes_differ(o)) {
+        brdffit_cli_json_null(json, "distribution");
+    } else {
+        brdffit_cli_json_string(json, "distribution", brdffit_distribution_string(brdffit_cli_lobe(o, 0)));
+    }
+    brdffit_cli_json_open(json, "distributions", '[');
+    for (int p = 0; p < o->lobes; p++) {
+        brdffit_cli_json_string(json, NULL, brdffit_distribution_string(brdffit_cli_lobe(o, p)));
+    }
+    brdffit_cli_json_close(json, ']');
+}
+
 void brdffit_cli_json_options(struct cli_json *json, const brdffit_options *o)
 {
     const double exponents[2] = {o->exponent_min, o->exponent_max};
-    const int by_exponent = brdffit_cli_by_exponent(o->distribution);
-    const double range[2] = {by_exponent ? 1 / sqrt(o->exponent_max) : o->sigma_min,
-                             by_exponent ? 1 / sqrt(o->exponent_min) : o->sigma_max};
+    const int by_sigma = brdffit_cli_any_lobe_by(o, 0), by_exponent = brdffit_cli_any_lobe_by(o, 1);
+    const double range[2] = {by_sigma ? o->sigma_min : 1 / sqrt(o->exponent_max),
+                             by_sigma ? o->sigma_max : 1 / sqrt(o->exponent_min)};
     brdffit_cli_json_string(json, "normalise",
                             brdffit_cli_choice_name(brdffit_cli_normalise_choices, (int)o->normalise));
     brdffit_cli_json_numbers(json, "sigma_range", range, 2);
@@ -270,7 +309,10 @@ static void result_members(struct cli_json *json, const struct cli_job *job, con
     lobes(json, result);
     brdffit_cli_json_channels(json, job->table);
     brdffit_cli_json_options(json, &fitter->options);
-    proven_range(json, result, &fitter->options);
+    proven_ranges(json, result, &fitter->options, 0);
+    if (any_by_exponent(result->model)) {
+        proven_ranges(json, result, &fitter->options, 1);
+    }
     brdffit_cli_json_source(json, job, fitter->settings);
     if (job->table->format == BRDFFIT_IO_FORMAT_MERL && fitter->io.directions != NULL) {
         directions(json, fitter->io.directions);
@@ -293,7 +335,7 @@ void brdffit_cli_json_fit(struct cli_text *text, const struct cli_job *job, cons
     if (!fitted) {
         brdffit_cli_json_error(&json, job);
     }
-    brdffit_cli_json_string(&json, "distribution", brdffit_distribution_string(fitter->options.distribution));
+    brdffit_cli_json_lobes(&json, &fitter->options);
     brdffit_cli_json_string(&json, "norm", brdffit_norm_string(fitter->options.norm));
     if (fitter->options.norm == BRDFFIT_NORM_L2) {
         brdffit_cli_json_string(&json, "engine", brdffit_engine_string(fitter->options.engine));

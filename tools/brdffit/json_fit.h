@@ -9,6 +9,10 @@
 /* One line, newline included. */
 void brdffit_cli_json_fit(struct cli_text *text, const struct cli_job *job, const struct cli_fitter *fitter);
 
+/* What its lobes are: "distribution", null when they are of several, and
+ * "distributions" of each: also of maps. */
+void brdffit_cli_json_lobes(struct cli_json *json, const brdffit_options *o);
+
 /* What the fit was asked for, and where its proof holds: also of maps. */
 void brdffit_cli_json_options(struct cli_json *json, const brdffit_options *o);
 

@@ -38,10 +38,9 @@ static int numbers(const cJSON *array, double *out, size_t count, double low)
     return 1;
 }
 
-/* Returns 1, or 0 when the member exists and names none of the choices. */
-static int choice_member(const cJSON *object, const char *name, const struct cli_choice *choices, int *value)
+/* Returns 1, or 0 when the item exists and names none of the choices. */
+static int choice_item(const cJSON *item, const struct cli_choice *choices, int *value)
 {
-    const cJSON *const item = member(object, name);
     if (item == NULL || cJSON_IsNull(item)) {
         return 1;
     }
@@ -55,7 +54,39 @@ static int choice_member(const cJSON *object, const char *name, const struct cli
     return 0;
 }
 
+static int choice_member(const cJSON *object, const char *name, const struct cli_choice *choices, int *value)
+{
+    return choice_item(member(object, name), choices, value);
+}
+
 /* ---- One fit ----------------------------------------------------------- */
+
+/* A list, one a lobe; or, as lines had it that knew no lists, one for all. The name of the member that is wrong. */
+static const char *read_distributions(struct cli_fit *fit, const cJSON *object, size_t lobes)
+{
+    const cJSON *const list = member(object, "distributions");
+    int all = CLI_UNSET;
+    if (!choice_member(object, "distribution", brdffit_cli_distribution_choices(), &all)) {
+        return "distribution";
+    }
+    if (list != NULL && (!cJSON_IsArray(list) || (size_t)cJSON_GetArraySize(list) != lobes)) {
+        return "distributions";
+    }
+    for (size_t p = 0; p < lobes; p++) {
+        int distribution = list != NULL ? CLI_UNSET : all;
+        if (list != NULL &&
+            !choice_item(cJSON_GetArrayItem(list, (int)p), brdffit_cli_distribution_choices(), &distribution)) {
+            return "distributions";
+        }
+        if (distribution == CLI_UNSET || (all != CLI_UNSET && distribution != all)) {
+            return list != NULL ? "distributions" : "distribution";
+        }
+        fit->distributions[p] = (brdffit_distribution)distribution;
+    }
+    fit->model.distribution = fit->distributions[0];
+    fit->model.distributions = fit->distributions;
+    return NULL;
+}
 
 /* The members that a fit cannot do without, in one block of numbers:
  * x, channel_scale, rms (K each), y (K P). Returns the name of a bad one. */
@@ -63,7 +94,7 @@ static const char *read_model(struct cli_fit *fit, const cJSON *object)
 {
     const cJSON *const lobes = member(object, "lobes");
     const cJSON *const x = member(object, "x");
-    if (!cJSON_IsNumber(lobes) || (lobes->valueint != 1 && lobes->valueint != 2)) {
+    if (!cJSON_IsNumber(lobes) || !(lobes->valueint >= 1 && lobes->valueint <= BRDFFIT_MAX_LOBES)) {
         return "lobes";
     }
     if (!cJSON_IsArray(x) || cJSON_GetArraySize(x) < 1) {
@@ -86,12 +117,10 @@ static const char *read_model(struct cli_fit *fit, const cJSON *object)
     fit->model.y = y;
     fit->channel_scale = scale;
     fit->rms = rms;
-    int distribution = CLI_UNSET;
-    if (!choice_member(object, "distribution", brdffit_cli_distribution_choices, &distribution) ||
-        distribution == CLI_UNSET) {
-        return "distribution";
+    const char *bad = read_distributions(fit, object, p);
+    if (bad != NULL) {
+        return bad;
     }
-    fit->model.distribution = (brdffit_distribution)distribution;
     if (!numbers(member(object, "sigma"), fit->sigma, p, 1e-300)) {
         return "sigma";
     }

@@ -14,7 +14,7 @@
 /* Texels between two looks at whether somebody wants to stop: some
  * milliseconds. Linear and cone programs take that long for one. */
 #define BATCH_ONE_LOBE 256
-#define BATCH_TWO_LOBES 32
+#define BATCH_MORE_LOBES 32
 #define BATCH_PROGRAMS 1
 
 struct cli_map_worker {
@@ -220,7 +220,7 @@ static size_t batch_of(const brdffit_options *options)
     if (options->norm != BRDFFIT_NORM_L2 || options->engine != BRDFFIT_ENGINE_MOMENT) {
         return BATCH_PROGRAMS;
     }
-    return options->lobes == 1 ? BATCH_ONE_LOBE : BATCH_TWO_LOBES;
+    return options->lobes == 1 ? BATCH_ONE_LOBE : BATCH_MORE_LOBES;
 }
 
 static int fit_shared(struct cli_map_worker *w, size_t texels, const brdffit_texel_results *results,

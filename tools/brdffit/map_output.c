@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 
 #include "json_fit.h"
+#include "lobes.h"
 #include "map.h"
 #include "output.h"
 #include "words.h"
@@ -59,7 +60,7 @@ static void list_fields(struct writer *w)
 {
     const size_t lobes = (size_t)w->map->options.lobes, channels = w->map->channels;
     add_field(w, FIELD_SIGMA, "sigma", 1, lobes, 0, 0);
-    if (brdffit_cli_by_exponent(w->map->options.distribution)) {
+    if (brdffit_cli_any_lobe_by(&w->map->options, 1)) {
         add_field(w, FIELD_EXPONENT, "exponent", 1, lobes, 0, 0);
     }
     add_field(w, FIELD_X, "x", 1, channels, 0, lobes);
@@ -69,10 +70,15 @@ static void list_fields(struct writer *w)
     add_field(w, FIELD_STATUS, "status", 0, 0, 0, 0);
 }
 
+/* An exponent of a lobe that is known by sigma is NaN. */
 static double value_of(const struct writer *w, const struct field *f, size_t texels, size_t at)
 {
     const double value = f->kind == FIELD_STATUS ? w->status[at] : w->values[f->offset * texels + at];
-    return f->kind == FIELD_EXPONENT ? 1 / (value * value) : value;
+    if (f->kind != FIELD_EXPONENT) {
+        return value;
+    }
+    return brdffit_cli_by_exponent(brdffit_cli_lobe(&w->map->options, (int)(at % f->width))) ? 1 / (value * value)
+                                                                                             : NAN;
 }
 
 static int load(struct writer *w, size_t tile, struct cli_map_counts *counts)
@@ -268,7 +274,7 @@ static int write_description(const struct writer *w)
     brdffit_cli_json_count(&json, "width", map->width);
     brdffit_cli_json_count(&json, "channels", map->channels);
     brdffit_cli_json_count(&json, "lobes", (size_t)map->options.lobes);
-    brdffit_cli_json_string(&json, "distribution", brdffit_distribution_string(map->options.distribution));
+    brdffit_cli_json_lobes(&json, &map->options);
     brdffit_cli_json_string(&json, "norm", brdffit_norm_string(map->options.norm));
     brdffit_cli_json_options(&json, &map->options);
     brdffit_cli_json_string(&json, "quantity",

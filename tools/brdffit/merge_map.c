@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lobes.h"
 #include "map.h"
 #include "slurp.h"
 
@@ -52,13 +53,28 @@ static int number(const char *manifest, const char *key, double *value)
     return word != NULL && sscanf(word, "%lf", value) == 1;
 }
 
+/* A number and a distribution, or names. */
+static int parse_lobes(struct cli_settings *s, const char *options)
+{
+    char given[128] = "";
+    s->distribution = CLI_UNSET;
+    if (sscanf(options, "%127[^\n]", given) != 1) {
+        return 0;
+    }
+    if (given[1] == '\0' && !choice(options, "--distribution", brdffit_cli_distribution_choices(), &s->distribution)) {
+        return 0;
+    }
+    s->lobes_given = given;
+    const int settled = brdffit_cli_settle_lobes(s, NULL) == 0;
+    s->lobes_given = NULL;
+    return settled;
+}
+
 /* What brdffit_cli_record_options wrote, as far as map.json tells it. */
 static int parse_options(struct cli_settings *s, const char *options)
 {
     const char *const budget = after(options, "--box-budget");
-    return sscanf(options, "%d", &s->lobes) == 1 && (s->lobes == 1 || s->lobes == 2) &&
-           choice(options, "--distribution", brdffit_cli_distribution_choices, &s->distribution) &&
-           choice(options, "--norm", brdffit_cli_norm_choices, &s->norm) &&
+    return parse_lobes(s, options) && choice(options, "--norm", brdffit_cli_norm_choices, &s->norm) &&
            choice(options, "--normalise", brdffit_cli_normalise_choices, &s->normalise) &&
            number(options, "--sigma-min", &s->sigma_min) && number(options, "--sigma-max", &s->sigma_max) &&
            number(options, "--exponent-min", &s->exponent_min) && number(options, "--exponent-max", &s->exponent_max) &&

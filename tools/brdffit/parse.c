@@ -7,6 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "lobes.h"
 #include "settings.h"
 #include "suggest.h"
 
@@ -83,12 +84,17 @@ static const struct cli_option *find_short(const struct parser *p, char letter)
 
 /* ---- Values ------------------------------------------------------------ */
 
+static const struct cli_choice *choices_of(const struct cli_option *o)
+{
+    return o->kind == CLI_DISTRIBUTION ? brdffit_cli_distribution_choices() : o->choices;
+}
+
 static enum cli_parse bad_choice(const struct parser *p, const struct cli_option *o, const char *text)
 {
     fprintf(stderr, "brdffit %s: --%s does not take '%s'; valid values:", p->command_name, o->name, text);
     struct cli_suggestion near = {0};
     const char *separator = " ";
-    for (const struct cli_choice *c = o->choices; c->name != NULL; c++) {
+    for (const struct cli_choice *c = choices_of(o); c->name != NULL; c++) {
         brdffit_cli_suggest(&near, text, c->name);
         if (c->hidden) {
             continue;
@@ -137,7 +143,8 @@ static enum cli_parse set_value(const struct parser *p, const struct cli_option 
     case CLI_FLAG: *(int *)(void *)member = 1; return CLI_PARSED;
     case CLI_STRING: *(const char **)(void *)member = text; return CLI_PARSED;
     case CLI_CHOICE:
-        for (const struct cli_choice *c = o->choices; c->name != NULL; c++) {
+    case CLI_DISTRIBUTION:
+        for (const struct cli_choice *c = choices_of(o); c->name != NULL; c++) {
             if (strcmp(c->name, text) == 0) {
                 *(int *)(void *)member = c->value;
                 return CLI_PARSED;
@@ -207,8 +214,7 @@ static void set_defaults(struct cli_settings *settings)
     brdffit_options fit;
     brdffit_options_init(&fit);
     memset(settings, 0, sizeof *settings);
-    settings->lobes = fit.lobes;
-    settings->distribution = (int)fit.distribution;
+    settings->distribution = CLI_UNSET;
     settings->norm = (int)fit.norm;
     settings->engine = (int)fit.engine;
     settings->verify_margin = 1e-3;
@@ -246,21 +252,27 @@ static enum cli_parse check_output(const struct parser *p)
     return CLI_PARSED;
 }
 
-/* The range of a parameter: in order, and left alone where the distribution has another one. */
+/* The range of a parameter: in order, and left alone where no lobe has that parameter. */
 static enum cli_parse check_range(const struct parser *p, const char *name, double low, double high, double default_low,
                                   double default_high)
 {
-    const brdffit_distribution distribution = (brdffit_distribution)p->settings->distribution;
+    const struct cli_settings *s = p->settings;
+    int found = 0;
     if (!(low <= high)) {
         fprintf(stderr, "brdffit %s: --%s-min %g is above --%s-max %g\n", p->command_name, name, low, name, high);
         return CLI_PARSE_FAILED;
     }
-    const char *parameter = brdffit_parameter_string(distribution);
-    if (strcmp(name, parameter) == 0 || (low == default_low && high == default_high)) {
+    for (int k = 0; k < s->lobes; k++) {
+        found |= strcmp(name, brdffit_parameter_string(s->distributions[k])) == 0;
+    }
+    if (found || (low == default_low && high == default_high)) {
         return CLI_PARSED;
     }
-    fprintf(stderr, "brdffit %s: --distribution %s has no %s; its range is --%s-min to --%s-max\n", p->command_name,
-            brdffit_distribution_string(distribution), name, parameter, parameter);
+    const char *parameter = brdffit_parameter_string(s->distributions[0]);
+    const int named = s->lobes_given != NULL && strchr("123", s->lobes_given[0]) == NULL;
+    fprintf(stderr, "brdffit %s: --%s %s has no %s; its range is --%s-min to --%s-max\n", p->command_name,
+            named ? "lobes" : "distribution", named ? s->lobes_given : brdffit_distribution_string(s->distributions[0]),
+            name, parameter, parameter);
     return CLI_PARSE_FAILED;
 }
 
@@ -367,7 +379,7 @@ static enum cli_parse check_together(const struct parser *p)
         fprintf(stderr, "brdffit %s: standard input ('-') can be read only once\n", p->command_name);
         return usage(p);
     }
-    if (check_ranges(p) != CLI_PARSED) {
+    if (brdffit_cli_settle_lobes(p->settings, p->command_name) != 0 || check_ranges(p) != CLI_PARSED) {
         return usage(p);
     }
     if (*s->merl_samples == '\0' || (s->output != NULL && *s->output == '\0')) {

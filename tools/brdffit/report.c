@@ -3,14 +3,20 @@
  * SPDX-License-Identifier: MIT */
 #include "report.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "lobes.h"
 #include "sample.h"
 #include "words.h"
 
 #define NUMBER_WIDTH 12
+#define PARAMETER_WIDTH 15
 #define LONGEST_CHANNEL 16
+/* With three lobes, so that the table still fits. */
+#define NUMBER_NARROW 11
+#define CHANNEL_SHORT 12
 
 void brdffit_cli_cell(struct cli_text *text, struct cli_style style, const char *string, int width)
 {
@@ -78,16 +84,34 @@ void brdffit_cli_report_title(struct cli_text *text, struct cli_style style, con
     brdffit_cli_text_free(&reasons);
 }
 
-static void lobe_table(struct cli_text *text, struct cli_style style, const brdffit_result *result)
+/* The distribution has a column when lobes have several; so has the parameter's name when both kinds are there. */
+static void lobe_table(struct cli_text *text, struct cli_style style, const brdffit_result *result,
+                       const brdffit_options *options)
 {
-    const int by_exponent = brdffit_cli_by_exponent(result->model->distribution);
-    brdffit_cli_text_puts(text, "\n  lobe");
-    brdffit_cli_cell(text, style, by_exponent ? "exponent n" : brdffit_cli_glyph(style, CLI_SIGMA), 15);
+    const int differ = brdffit_cli_lobes_differ(options);
+    const int exponents = brdffit_cli_any_lobe_by(options, 1), both = exponents && brdffit_cli_any_lobe_by(options, 0);
+    brdffit_cli_text_puts(text, differ ? "\n  lobe  distribution     " : "\n  lobe");
+    brdffit_cli_cell(text, style,
+                     both        ? "parameter"
+                     : exponents ? "exponent n"
+                                 : brdffit_cli_glyph(style, CLI_SIGMA),
+                     PARAMETER_WIDTH + (both ? 4 : 0));
     brdffit_cli_text_puts(text, "   share w   effective samples\n");
     for (int p = 0; p < result->model->lobes; p++) {
         const brdffit_lobe *const lobe = result->lobe[p];
-        brdffit_cli_text_printf(text, "  %-4d%15.8g%8.1f %%%20.4g\n", p + 1, by_exponent ? lobe->exponent : lobe->sigma,
-                                100 * lobe->weight, lobe->effective_samples);
+        const brdffit_distribution distribution = result->model->distributions[p];
+        struct cli_text value = {0};
+        brdffit_cli_text_printf(text, "  %-4d", p + 1);
+        if (differ) {
+            brdffit_cli_text_printf(text, "  %-17s", brdffit_distribution_title(distribution));
+        }
+        brdffit_cli_text_printf(&value, "%s%s%.8g", both ? brdffit_cli_parameter(style, distribution) : "",
+                                both ? " = " : "",
+                                brdffit_cli_by_exponent(distribution) ? lobe->exponent : lobe->sigma);
+        brdffit_cli_cell(text, style, brdffit_cli_text_string(&value), PARAMETER_WIDTH + (both ? 4 : 0));
+        brdffit_cli_text_printf(text, "%8.1f %%%20.4g\n", 100 * lobe->weight, lobe->effective_samples);
+        text->failed |= value.failed;
+        brdffit_cli_text_free(&value);
     }
 }
 
@@ -118,32 +142,33 @@ static void channel_table(struct cli_text *text, struct cli_style style, const s
 {
     const brdffit_result *const result = job->result;
     const int lobes = result->model->lobes;
-    const int width = brdffit_cli_channel_width(style, job->table);
+    const int number = lobes > 2 ? NUMBER_NARROW : NUMBER_WIDTH, widest = lobes > 2 ? CHANNEL_SHORT : LONGEST_CHANNEL;
+    const int wanted = brdffit_cli_channel_width(style, job->table), width = wanted > widest ? widest : wanted;
     brdffit_cli_text_puts(text, "\n  ");
     brdffit_cli_cell(text, style, "channel", -width);
-    brdffit_cli_cell(text, style, "diffuse x", NUMBER_WIDTH);
+    brdffit_cli_cell(text, style, "diffuse x", number);
     for (int p = 0; p < lobes; p++) {
         char title[24];
         (void)snprintf(title, sizeof title, "lobe %d y", p + 1);
-        brdffit_cli_cell(text, style, title, NUMBER_WIDTH);
+        brdffit_cli_cell(text, style, title, number);
     }
-    brdffit_cli_cell(text, style, "RMS", NUMBER_WIDTH);
-    brdffit_cli_cell(text, style, "of max", NUMBER_WIDTH);
+    brdffit_cli_cell(text, style, "RMS", number);
+    brdffit_cli_cell(text, style, "of max", number);
     brdffit_cli_text_puts(text, "\n");
     for (size_t k = 0; k < result->model->channels; k++) {
         brdffit_cli_text_puts(text, "  ");
         brdffit_cli_channel_cell(text, style, job->table, k, width);
-        brdffit_cli_number_cell(text, result->model->x[k], 5, NUMBER_WIDTH);
+        brdffit_cli_number_cell(text, result->model->x[k], 5, number);
         for (int p = 0; p < lobes; p++) {
-            brdffit_cli_number_cell(text, result->model->y[k * (size_t)lobes + (size_t)p], 5, NUMBER_WIDTH);
+            brdffit_cli_number_cell(text, result->model->y[k * (size_t)lobes + (size_t)p], 5, number);
         }
-        brdffit_cli_number_cell(text, result->rms[k], 3, NUMBER_WIDTH);
+        brdffit_cli_number_cell(text, result->rms[k], 3, number);
         const double maximum = channel_maximum(job, options, k);
         if (maximum > 0 && result->rms[k] >= 0) {
-            brdffit_cli_number_cell(text, 100 * result->rms[k] / maximum, 3, NUMBER_WIDTH - 2);
+            brdffit_cli_number_cell(text, 100 * result->rms[k] / maximum, 3, number - 2);
             brdffit_cli_text_puts(text, " %");
         } else {
-            brdffit_cli_cell(text, style, brdffit_cli_glyph(style, CLI_DASH), NUMBER_WIDTH);
+            brdffit_cli_cell(text, style, brdffit_cli_glyph(style, CLI_DASH), number);
         }
         brdffit_cli_text_puts(text, "\n");
     }
@@ -253,6 +278,14 @@ static void add_saving(struct cli_text *words, size_t count, const char *one, co
     brdffit_cli_text_printf(words, "\t%s", count == 1 ? one : many);
 }
 
+/* Of sigma, which 1/sqrt(n) stands for; a little more, as that is rounded. */
+static double smallest_asked(const brdffit_options *options)
+{
+    const double sigma = brdffit_cli_any_lobe_by(options, 0) ? options->sigma_min : INFINITY;
+    const double other = brdffit_cli_any_lobe_by(options, 1) ? 1 / sqrt(options->exponent_max) : INFINITY;
+    return (sigma < other ? sigma : other) * (1 + 1e-12);
+}
+
 /* --stats: work that this file did not need. Skipped samples have a line of their own. */
 static void savings(struct cli_text *text, struct cli_style style, const struct cli_job *job,
                     const brdffit_options *options)
@@ -264,14 +297,18 @@ static void savings(struct cli_text *text, struct cli_style style, const struct 
     add_saving(&words, r->channels_zero, "channel without signal", "channels without signal");
     add_saving(&words, r->channels_identical, "channel that repeats another", "channels that repeat another");
     add_saving(&words, r->programs_decided, "box decided without ECOS", "boxes decided without ECOS");
-    if (r->sigma_tail > options->sigma_min) {
+    if (r->sigma_tail > smallest_asked(options)) {
         brdffit_cli_text_printf(&words, "%snothing searched below %s = %.3g, where the data see no change",
                                 words.size > 0 ? "; " : "", brdffit_cli_glyph(style, CLI_SIGMA), r->sigma_tail);
     }
     if (job->one_lobe_fitted && job->one_lobe_e2 > 0) {
-        brdffit_cli_text_printf(&words,
-                                "%sone lobe alone reaches E%s = %.6g, and no second lobe lowers that by more than ",
-                                words.size > 0 ? "; " : "", brdffit_cli_glyph(style, CLI_SQUARED), job->one_lobe_e2);
+        brdffit_cli_text_puts(&words, words.size > 0 ? "; one " : "one ");
+        if (brdffit_cli_lobes_differ(options)) {
+            brdffit_cli_text_printf(&words, "%s ", brdffit_distribution_title(brdffit_cli_lobe(options, 0)));
+        }
+        brdffit_cli_text_printf(&words, "lobe alone reaches E%s = %.6g, and no %s that by more than ",
+                                brdffit_cli_glyph(style, CLI_SQUARED), job->one_lobe_e2,
+                                options->lobes > 2 ? "further lobes lower" : "second lobe lowers");
         brdffit_cli_directed(&words, 100 * (1 - r->lower_bound / job->one_lobe_e2), 2, 1);
         brdffit_cli_text_puts(&words, "\t%");
     }
@@ -287,7 +324,7 @@ void brdffit_cli_report_fit(struct cli_text *text, struct cli_style style, const
     const brdffit_result *const result = job->result;
     brdffit_cli_report_title(text, style, job, result->samples_used, result->samples_skipped,
                              fitter->options.max_incidence, "used");
-    lobe_table(text, style, result);
+    lobe_table(text, style, result, &fitter->options);
     channel_table(text, style, job, &fitter->options);
     brdffit_cli_text_puts(text, "\n");
     brdffit_cli_certificate(text, style, result, &fitter->options);

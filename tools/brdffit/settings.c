@@ -5,21 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct cli_choice lobes[] = {{"1", 1, 0}, {"2", 2, 0}, {NULL, 0, 0}};
+#include "lobes.h"
+#include "term.h"
+
 const struct cli_choice brdffit_cli_norm_choices[] = {
     {"l2", BRDFFIT_NORM_L2, 0}, {"l1", BRDFFIT_NORM_L1, 0}, {"linf", BRDFFIT_NORM_LINF, 0}, {NULL, 0, 0}};
 
 static const struct cli_choice engines[] = {
     {"moment", BRDFFIT_ENGINE_MOMENT, 0}, {"socp", BRDFFIT_ENGINE_SOCP, 0}, {NULL, 0, 0}};
 
-const struct cli_choice brdffit_cli_distribution_choices[] = {{"beckmann", BRDFFIT_BECKMANN, 0},
-                                                              {"ggx", BRDFFIT_GGX, 0},
-                                                              {"torrance-sparrow", BRDFFIT_TORRANCE_SPARROW, 0},
-                                                              {"ward", BRDFFIT_WARD, 0},
-                                                              {"blinn-phong", BRDFFIT_BLINN_PHONG, 0},
-                                                              {"ashikhmin-shirley", BRDFFIT_ASHIKHMIN_SHIRLEY, 0},
-                                                              {"lafortune", BRDFFIT_LAFORTUNE, 0},
-                                                              {NULL, 0, 0}};
 const struct cli_choice brdffit_cli_normalise_choices[] = {
     {"max", BRDFFIT_NORMALISE_MAX, 0}, {"none", BRDFFIT_NORMALISE_NONE, 0}, {NULL, 0, 0}};
 const struct cli_choice brdffit_cli_quantity_choices[] = {
@@ -48,10 +42,9 @@ static const struct cli_choice map_formats[] = {{"npy", CLI_MAP_NPY, 0}, {"pfm",
     {name, letter, kind, commands, 0, AT(member), 0, 0, 0, NULL, value, help}
 
 const struct cli_option brdffit_cli_options[] = {
-    CHOICE("lobes", FITS, 0, lobes, lobes, "1|2", "specular lobes (default 1)"),
-    CHOICE("distribution", FITS, 0, distribution, brdffit_cli_distribution_choices, "NAME",
-           "what a lobe is: beckmann, ggx,\ntorrance-sparrow or ward, with roughness\n"
-           "sigma; blinn-phong, ashikhmin-shirley or\nlafortune, with exponent n\n(default beckmann)"),
+    PLAIN("lobes", 0, CLI_STRING, FITS, lobes_given, "1|2|3|NAME,...",
+          "specular lobes (default 1): how many of\n--distribution, or what each is: ggx,ward"),
+    PLAIN("distribution", 0, CLI_DISTRIBUTION, FITS, distribution, "NAME", NULL),
     CHOICE("norm", FITS, 0, norm, brdffit_cli_norm_choices, "l2|l1|linf",
            "minimise the sum of squared or of absolute\nresiduals, or the largest one (default l2)"),
     CHOICE("engine", FITS, 0, engine, engines, "moment|socp",
@@ -136,7 +129,8 @@ void brdffit_cli_fit_options(const struct cli_settings *settings, brdffit_option
 {
     brdffit_options_init(options);
     options->lobes = settings->lobes;
-    options->distribution = (brdffit_distribution)settings->distribution;
+    options->distributions = settings->distributions;
+    options->distribution = settings->distributions[0];
     options->norm = (brdffit_norm)settings->norm;
     options->engine = (brdffit_engine)settings->engine;
     options->socp_every_box = settings->socp_every_box;
@@ -172,8 +166,14 @@ void brdffit_cli_io_options(const struct cli_settings *settings, brdffit_io_opti
 
 void brdffit_cli_record_options(struct cli_text *text, const brdffit_options *o)
 {
-    brdffit_cli_text_printf(text, "--lobes %d\n--distribution %s\n--norm %s\n--engine %s\n--socp-every-box %d\n",
-                            o->lobes, brdffit_distribution_string(o->distribution), brdffit_norm_string(o->norm),
+    brdffit_cli_text_puts(text, "--lobes ");
+    if (brdffit_cli_lobes_differ(o)) {
+        brdffit_cli_add_names(text, o);
+    } else {
+        brdffit_cli_text_printf(text, "%d\n--distribution %s", o->lobes,
+                                brdffit_distribution_string(brdffit_cli_lobe(o, 0)));
+    }
+    brdffit_cli_text_printf(text, "\n--norm %s\n--engine %s\n--socp-every-box %d\n", brdffit_norm_string(o->norm),
                             brdffit_engine_string(o->engine), o->socp_every_box);
     brdffit_cli_text_printf(text, "--normalise %s\n",
                             brdffit_cli_choice_name(brdffit_cli_normalise_choices, (int)o->normalise));
@@ -194,10 +194,63 @@ const char *brdffit_cli_choice_name(const struct cli_choice *choices, int value)
     return "unknown";
 }
 
+#define HELP_COLUMN 32
+
+/* A word of a help, on a line of its own when this one is full. */
+static void add_word(struct cli_text *text, size_t *column, const char *word)
+{
+    const size_t length = strlen(word);
+    if (*column + 1 + length > CLI_WIDTH - HELP_COLUMN) {
+        brdffit_cli_text_puts(text, "\n");
+        *column = 0;
+    } else {
+        brdffit_cli_text_puts(text, *column > 0 ? " " : "");
+        *column += *column > 0;
+    }
+    brdffit_cli_text_puts(text, word);
+    *column += length;
+}
+
+/* "beckmann, ggx or ward," and so on: those known by sigma, or by the exponent. */
+static void add_distributions(struct cli_text *text, size_t *column, int by_exponent)
+{
+    size_t left = 0;
+    for (const struct cli_choice *c = brdffit_cli_distribution_choices(); c->name != NULL; c++) {
+        left += brdffit_cli_by_exponent((brdffit_distribution)c->value) == by_exponent;
+    }
+    for (const struct cli_choice *c = brdffit_cli_distribution_choices(); c->name != NULL; c++) {
+        if (brdffit_cli_by_exponent((brdffit_distribution)c->value) != by_exponent) {
+            continue;
+        }
+        struct cli_text word = {0};
+        left--;
+        brdffit_cli_text_printf(&word, "%s%s", c->name, left > 1 ? "," : "");
+        add_word(text, column, brdffit_cli_text_string(&word));
+        if (left == 1) {
+            add_word(text, column, "or");
+        }
+        brdffit_cli_text_free(&word);
+    }
+}
+
+static void distribution_help(struct cli_text *text)
+{
+    size_t column = strlen("what a lobe is:");
+    brdffit_options defaults;
+    brdffit_options_init(&defaults);
+    brdffit_cli_text_puts(text, "what a lobe is:");
+    add_distributions(text, &column, 0);
+    add_word(text, &column, "with roughness sigma;");
+    add_distributions(text, &column, 1);
+    add_word(text, &column, "with exponent n");
+    brdffit_cli_text_printf(text, "\n(default %s)", brdffit_distribution_string(defaults.distribution));
+}
+
 /* The left column: option and value; the right: its help, indented. */
 void brdffit_cli_option_help(struct cli_text *text, unsigned command)
 {
-    const size_t help_column = 32;
+    struct cli_text names = {0};
+    distribution_help(&names);
     for (const struct cli_option *option = brdffit_cli_options; option->name != NULL; option++) {
         if (option->hidden || !(option->commands & command)) {
             continue;
@@ -212,17 +265,19 @@ void brdffit_cli_option_help(struct cli_text *text, unsigned command)
             brdffit_cli_text_printf(text, " %s", option->value);
         }
         size_t column = text->size - start;
-        if (column + 2 > help_column) {
+        if (column + 2 > HELP_COLUMN) {
             brdffit_cli_text_puts(text, "\n");
             column = 0;
         }
-        for (const char *line = option->help; *line;) {
+        const char *help = option->kind == CLI_DISTRIBUTION ? brdffit_cli_text_string(&names) : option->help;
+        for (const char *line = help; *line;) {
             const size_t length = strcspn(line, "\n");
-            brdffit_cli_text_pad(text, help_column - column);
+            brdffit_cli_text_pad(text, HELP_COLUMN - column);
             brdffit_cli_text_add(text, line, length);
             brdffit_cli_text_puts(text, "\n");
             column = 0;
             line += length + (line[length] == '\n');
         }
     }
+    brdffit_cli_text_free(&names);
 }

@@ -21,8 +21,10 @@
 #define CLI_UNSET (-1)
 
 struct cli_settings {
-    int lobes;
-    int distribution;
+    const char *lobes_given; /* --lobes: a number or names; NULL: not given */
+    int distribution;        /* --distribution: CLI_UNSET, or a brdffit_distribution */
+    int lobes;               /* what the two say (lobes.h), in the order of a result */
+    brdffit_distribution distributions[BRDFFIT_MAX_LOBES];
     int norm;
     int engine;
     int socp_every_box;
@@ -65,6 +67,7 @@ enum cli_map_format { CLI_MAP_NPY, CLI_MAP_PFM };
 enum cli_option_kind {
     CLI_FLAG,
     CLI_CHOICE,
+    CLI_DISTRIBUTION,
     CLI_NUMBER,
     CLI_COUNT,
     CLI_DEGREES, /* a number, or "off" for 90 */
@@ -87,9 +90,9 @@ struct cli_option {
     size_t offset;     /* of the member of cli_settings */
     double low, high;  /* CLI_NUMBER, CLI_DEGREES, CLI_COUNT */
     int low_open;      /* `low` itself is not allowed */
-    const struct cli_choice *choices;
+    const struct cli_choice *choices; /* CLI_DISTRIBUTION: of the library */
     const char *value; /* shown in the help */
-    const char *help;  /* lines separated by \n */
+    const char *help;  /* lines separated by \n; CLI_DISTRIBUTION: made of the library's names */
 };
 
 extern const struct cli_option brdffit_cli_options[];
@@ -124,7 +127,9 @@ extern const struct cli_choice brdffit_cli_normalise_choices[];
 extern const struct cli_choice brdffit_cli_quantity_choices[];
 extern const struct cli_choice brdffit_cli_bins_choices[];
 extern const struct cli_choice brdffit_cli_format_choices[];
-extern const struct cli_choice brdffit_cli_distribution_choices[];
+
+/* Those of the library, under the library's names. Not for threads. */
+const struct cli_choice *brdffit_cli_distribution_choices(void);
 
 /* The options of `command`, as its help shows them. */
 void brdffit_cli_option_help(struct cli_text *text, unsigned command);

@@ -4,7 +4,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
+
+#include "lobes.h"
 
 const char *brdffit_cli_warning_name(unsigned bit)
 {
@@ -15,16 +16,6 @@ const char *brdffit_cli_warning_name(unsigned bit)
     case BRDFFIT_WARN_AT_LIMIT: return "at_limit";
     default: return "unknown";
     }
-}
-
-int brdffit_cli_by_exponent(brdffit_distribution distribution)
-{
-    return strcmp(brdffit_parameter_string(distribution), "exponent") == 0;
-}
-
-const char *brdffit_cli_parameter(struct cli_style style, brdffit_distribution distribution)
-{
-    return brdffit_cli_by_exponent(distribution) ? "n" : brdffit_cli_glyph(style, CLI_SIGMA);
 }
 
 const char *brdffit_cli_objective(struct cli_style style, brdffit_norm norm)
@@ -250,14 +241,14 @@ void brdffit_cli_certificate(struct cli_text *text, struct cli_style style, cons
 
 /* "σ sits on the lower end of the range searched; lower --sigma-min." */
 static void add_at_limit(struct cli_text *words, struct cli_style style, const brdffit_lobe *lobe,
-                         const brdffit_options *options)
+                         brdffit_distribution distribution, const brdffit_options *options)
 {
-    const char *name = brdffit_parameter_string(options->distribution);
-    const int by_exponent = brdffit_cli_by_exponent(options->distribution);
+    const char *name = brdffit_parameter_string(distribution);
+    const int by_exponent = brdffit_cli_by_exponent(distribution);
     const double value = by_exponent ? lobe->exponent : lobe->sigma;
     const double low = by_exponent ? options->exponent_min : options->sigma_min;
     const double high = by_exponent ? options->exponent_max : options->sigma_max;
-    const char *parameter = brdffit_cli_parameter(style, options->distribution);
+    const char *parameter = brdffit_cli_parameter(style, distribution);
     if (value - low < high - value) {
         brdffit_cli_text_printf(words,
                                 "%s sits on the lower end of the range searched; lower "
@@ -271,10 +262,12 @@ static void add_at_limit(struct cli_text *words, struct cli_style style, const b
     }
 }
 
-static void add_warning(struct cli_text *words, struct cli_style style, const brdffit_lobe *lobe, unsigned bit,
-                        int lobes, const brdffit_options *options)
+static void add_warning(struct cli_text *words, struct cli_style style, const brdffit_result *result, int p,
+                        unsigned bit, const brdffit_options *options)
 {
-    const int by_exponent = brdffit_cli_by_exponent(options->distribution);
+    const brdffit_lobe *const lobe = result->lobe[p];
+    const brdffit_distribution distribution = result->model->distributions[p];
+    const int by_exponent = brdffit_cli_by_exponent(distribution);
     switch (bit) {
     case BRDFFIT_WARN_UNRESOLVED:
         brdffit_cli_text_puts(words, "rests on no more than ");
@@ -286,15 +279,16 @@ static void add_warning(struct cli_text *words, struct cli_style style, const br
         brdffit_cli_text_printf(words,
                                 "the data cannot tell %s inside [%.6g,\t%.6g]: any value there fits "
                                 "as well.",
-                                brdffit_cli_parameter(style, options->distribution),
+                                brdffit_cli_parameter(style, distribution),
                                 by_exponent ? lobe->exponent_low : lobe->sigma_low,
                                 by_exponent ? lobe->exponent_high : lobe->sigma_high);
         break;
     case BRDFFIT_WARN_UNUSED:
         brdffit_cli_text_printf(words, "its coefficient is 0 in every channel: %s.",
-                                lobes == 1 ? "the data show no such lobe" : "one lobe fewer fits as well");
+                                result->model->lobes == 1 ? "the data show no such lobe"
+                                                          : "one lobe fewer fits as well");
         break;
-    case BRDFFIT_WARN_AT_LIMIT: add_at_limit(words, style, lobe, options); break;
+    case BRDFFIT_WARN_AT_LIMIT: add_at_limit(words, style, lobe, distribution, options); break;
     default: brdffit_cli_text_printf(words, "warning %u.", bit); break;
     }
 }
@@ -311,7 +305,7 @@ void brdffit_cli_warnings(struct cli_text *text, struct cli_style style, const b
             }
             struct cli_text words = {0};
             brdffit_cli_text_printf(&words, "lobe %d: ", p + 1);
-            add_warning(&words, style, lobe, bit, result->model->lobes, options);
+            add_warning(&words, style, result, p, bit, options);
             brdffit_cli_paragraph(text, style, CLI_YELLOW, "Warning,", brdffit_cli_text_string(&words));
             text->failed |= words.failed;
             brdffit_cli_text_free(&words);

@@ -9,21 +9,16 @@
 /* snake_case name of one BRDFFIT_WARN_* bit. */
 const char *brdffit_cli_warning_name(unsigned bit);
 
-/* Whether the distribution is known by its exponent n, and not by sigma. */
-int brdffit_cli_by_exponent(brdffit_distribution distribution);
+/* The range that the bound is proven for, of the lobes known by sigma (exponent = 0) or by n. 1 when that is less than was
+ * asked for. */
+int brdffit_cli_proven(const brdffit_result *result, const brdffit_options *options, int exponent, double range[2]);
 
-/* The letter of the parameter: "n" or sigma. */
-const char *brdffit_cli_parameter(struct cli_style style, brdffit_distribution distribution);
-
-/* The range of the parameter (sigma, or n) that the bound is proven for. 1 when that is less than was asked for. */
-int brdffit_cli_proven(const brdffit_result *result, const brdffit_options *options, double range[2]);
-
-/* "Beckmann fit with 2 lobes and σ in [1e-12, 6]", "Blinn-Phong fit with 1 lobe and n in [0.1, 1e+07]": that range,
- * rounded inwards. */
+/* "Beckmann fit with 2 lobes and σ in [1e-12, 6]", "fit of one GGX and one Blinn-Phong lobe with σ in [1e-12, 6] and n in
+ * [0.1, 1e+07]": those ranges, rounded inwards. */
 void brdffit_cli_family(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                         const brdffit_options *options);
 
-/* A sentence on why the range is not the one that was asked for; nothing when it is. */
+/* A sentence on why a range is not the one that was asked for; nothing when they are. */
 void brdffit_cli_cut(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                      const brdffit_options *options);
 

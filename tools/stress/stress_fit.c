@@ -1,5 +1,5 @@
 /*
- * stress_fit LOBES DISTRIBUTION NORMALISE FILE...: fit each file and print one JSON object a line, 17 digits, with
+ * stress_fit LOBES DISTRIBUTION[,DISTRIBUTION...] NORMALISE FILE...: fit each file and print one JSON object a line, 17 digits, with
  * what the command line does not print (sigma_floor). Every fit is run again in other floating-point environments
  * (rounding modes, FTZ, DAZ), and "same_bits" says whether each of them gave the same bits and came back as it was.
  * SPDX-License-Identifier: MIT
@@ -12,6 +12,7 @@
 
 #include "brdffit.h"
 #include "brdffit_io.h"
+#include "../bench/lobes.h"
 
 #if defined(__SSE2__)
 /* Down, up, towards zero, FTZ, DAZ, both, and both with each rounding mode. */
@@ -212,14 +213,18 @@ static int fit_file(const char *file, const brdffit_options *options)
 int main(int argc, char **argv)
 {
     brdffit_options options;
-    int i, d, failed = argc < 5;
+    brdffit_distribution list[BRDFFIT_MAX_LOBES];
+    int i, failed = argc < 5;
 
     brdffit_options_init(&options);
-    options.lobes = argc > 1 ? atoi(argv[1]) : 0;
-    for (d = 0; argc > 2 && d < BRDFFIT_DISTRIBUTION_COUNT; d++) {
-        if (!strcmp(argv[2], brdffit_distribution_string((brdffit_distribution)d))) {
-            options.distribution = (brdffit_distribution)d;
-        }
+    if (failed || !bench_lobes(argv[2], &options, list) || !options.distributions) {
+        fprintf(stderr, "usage: stress_fit LOBES NAME[,NAME...] max|none FILE...\nOne name is that of all lobes.\n");
+        return 2;
+    }
+    if (options.lobes == 1) { /* one name for all */
+        options.distribution = list[0];
+        options.distributions = NULL;
+        options.lobes = atoi(argv[1]);
     }
     options.normalise = argc > 3 && !strcmp(argv[3], "none") ? BRDFFIT_NORMALISE_NONE : BRDFFIT_NORMALISE_MAX;
     for (i = 4; i < argc; i++) {

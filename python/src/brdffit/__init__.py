@@ -12,6 +12,7 @@ import importlib.util
 from typing import TYPE_CHECKING, Any
 
 from ._ffi import LibraryError
+from ._lobes import distributions
 from ._version import __version__
 from .boxes import Boxes, fit_boxes
 from .errors import BrdffitError, DataError, FileError, OptionError, OutOfMemoryError, UnsupportedError
@@ -32,8 +33,8 @@ if TYPE_CHECKING:
 
 __all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "DataError", "FileError", "Fit", "FitMap", "LibraryError",
            "LightPositions", "MapProgress", "MerlTable", "Options", "OptionError", "OutOfMemoryError", "Progress", "RGLMaterial",
-           "Samples", "Stack", "UnsupportedError", "__version__", "fit", "fit_boxes", "fit_many", "fit_map", "library_path",
-           "load_lp", "load_merl", "load_rgl", "load_stack", "protocol84"]
+           "Samples", "Stack", "UnsupportedError", "__version__", "distributions", "fit", "fit_boxes", "fit_many", "fit_map",
+           "library_path", "load_lp", "load_merl", "load_rgl", "load_stack", "protocol84"]
 if importlib.util.find_spec("sklearn") is None:
     __all__.remove("BRDFRegressor")  # which cannot be imported: `import *` would fail for everything
 

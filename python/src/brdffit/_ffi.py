@@ -15,7 +15,7 @@ import importlib.resources
 import os
 import pathlib
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
-from typing import Any
+from typing import Any, NamedTuple
 
 from . import _structs as structs
 from ._version import __version__
@@ -73,6 +73,7 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "brdffit_status_string": (c_char_p, [c_int]),
     "brdffit_skip_string": (c_char_p, [c_int]),
     "brdffit_distribution_string": (c_char_p, [c_int]),
+    "brdffit_distribution_title": (c_char_p, [c_int]),
     "brdffit_parameter_string": (c_char_p, [c_int]),
     "brdffit_norm_string": (c_char_p, [c_int]),
     "brdffit_engine_string": (c_char_p, [c_int]),
@@ -130,6 +131,25 @@ def _check_version(core: ctypes.CDLL, path: str) -> None:
         raise LibraryError("%s is version %s; this package needs %s" % (path, version, __version__))
 
 
+class Distribution(NamedTuple):
+    """What the library says of one."""
+
+    name: str
+    title: str
+    parameter: str
+
+
+def _distributions(core: ctypes.CDLL) -> tuple[Distribution, ...]:
+    """In the order of brdffit_distribution, up to the one that is "unknown"."""
+    out: list[Distribution] = []
+    while True:
+        one = Distribution(*(function(len(out)).decode() for function in (
+            core.brdffit_distribution_string, core.brdffit_distribution_title, core.brdffit_parameter_string)))
+        if one.name == "unknown":
+            return tuple(out)
+        out.append(one)
+
+
 class Library:
     """The loaded library: `core` (brdffit.h) and `io` (brdffit_io.h), which may be one."""
 
@@ -140,6 +160,7 @@ class Library:
         _declare(self.core, _PROTOTYPES, path)
         _declare(self.io, _IO_PROTOTYPES, path)
         _check_version(self.core, path)
+        self.distributions = _distributions(self.core)
 
     @property
     def version(self) -> str:

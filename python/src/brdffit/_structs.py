@@ -12,13 +12,13 @@ from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_ssize_t, c_ui
 
 NONE = ctypes.c_size_t(-1).value  # BRDFFIT_NONE: "does not apply"
 
-# Enumerations: the position of a name is its value. Names are those of the C library's strings and of its JSON.
+# Enumerations: the position of a name is its value. Names are those of the C library's strings and of its JSON. What
+# distributions there are is asked of the library (_ffi).
 STATUS = ("ok", "argument", "option", "unsupported", "workspace", "value", "no_samples", "memory", "open", "read",
           "format")
 FORM = ("directions", "angles", "coefficients")
 QUANTITY = ("brdf", "radiance")
 SKIP = ("zero_weight", "light_below_horizon", "view_below_horizon", "incidence")
-DISTRIBUTION = ("beckmann", "ggx", "torrance-sparrow", "ward", "blinn-phong", "ashikhmin-shirley", "lafortune")
 NORM = ("l2", "l1", "linf")
 ENGINE = ("moment", "socp")
 ISA = ("auto", "base", "avx2", "avx512")
@@ -154,6 +154,7 @@ class Lobe(ctypes.Structure):
         ("weight", c_double),
         ("effective_samples", c_double),
         ("warnings", c_uint),
+        ("sigma_floor", c_double),
     ]
 
 

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from . import _lobes
+
 if TYPE_CHECKING:
     from .fit import Fit
 
-TITLES = {"beckmann": "Beckmann", "ggx": "GGX", "torrance-sparrow": "Torrance-Sparrow", "ward": "Ward",
-          "blinn-phong": "Blinn-Phong", "ashikhmin-shirley": "Ashikhmin-Shirley", "lafortune": "Lafortune"}
 OBJECTIVES = {"l2": "E²", "l1": "sum of absolute residuals", "linf": "maximum absolute residual"}
 SKIPPED = (("incidence", "lit from beyond %.6g°"), ("light_below_horizon", "with the light below the horizon"),
            ("view_below_horizon", "with the viewer below the horizon"), ("zero_weight", "of weight 0"),
@@ -26,7 +26,7 @@ SKIPPED = (("incidence", "lit from beyond %.6g°"), ("light_below_horizon", "wit
            ("cell_below_horizon", "cells beyond the hemisphere"))
 
 # Order of the members of `brdffit fit --json`.
-_MEMBERS = ("schema", "file", "status", "distribution", "norm", "engine", "lobes", "sigma", "exponent", "x", "y",
+_MEMBERS = ("schema", "file", "status", "distribution", "distributions", "norm", "engine", "lobes", "sigma", "exponent", "x", "y",
             "channel_scale", "e2", "objective", "e2_error", "lower_bound", "gap", "rms", "rms_total", "sum_of_squares",
             "kkt_residual", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
             "weight", "effective_samples", "sigma_interval", "exponent_interval", "warnings", "channels", "normalise",
@@ -59,6 +59,10 @@ def plain(fit: Fit) -> dict[str, Any]:
         if value is None and (name in _ONLY_BY_EXPONENT or (name == "proven_exponent" and fit.exponent is None)):
             continue
         out[name] = _plain(value)
+        if name in ("exponent", "exponent_interval"):
+            out[name] = [one if by == "exponent" else None for one, by in zip(out[name], fit.parameters)]
+        if name in ("proven_sigma", "proven_exponent"):  # NaN: there is none
+            out[name] = [None if one[0] != one[0] else one for one in out[name]]
         if name == "file" and value is not None and readable(value) != value:
             out.update(file=readable(value), file_bytes=os.fsencode(value).hex())
     if fit._merl_directions is not None:
@@ -78,40 +82,66 @@ def directed(value: float, digits: int, up: bool) -> str:
     return "%.*g" % (digits, context.create_decimal(decimal.Decimal(value)))
 
 
-def parameter(fit: Fit) -> str:
-    return "σ" if fit.exponent is None else "n"
+def parameter(fit: Fit, p: int) -> str:
+    """The letter of a lobe's."""
+    return _lobes.letter(fit.distributions[p])
 
 
-def lobes_word(fit: Fit) -> str:
-    return "%d lobe%s" % (fit.lobes, "" if fit.lobes == 1 else "s")
+def family(distributions: Sequence[str], sigma_range: Sequence[float], exponent_range: Sequence[float] | None) -> str:
+    """With the ranges of the parameters that its lobes have."""
+    ranges = {"σ": sigma_range, "n": exponent_range}
+    found = ["%s in [%.6g, %.6g]" % (letter, *ranges[letter]) for letter in sorted(  # type: ignore[misc]  # a range is there
+        {_lobes.letter(name) for name in distributions}, reverse=True)]
+    return "%s %s %s" % (_lobes.family(distributions), "and" if len(set(distributions)) == 1 else "with", " and ".join(found))
 
 
 def is_cut(fit: Fit) -> bool:
     """Whether less is proven than the range that was asked for."""
-    return fit.proven_sigma is None or fit.proven_sigma[0] > fit.sigma_range[0]
+    return bool(np.any(~(fit.proven_sigma[:, 0] <= [_asked_floor(fit, p) for p in range(fit.lobes)])))
+
+
+def _asked_floor(fit: Fit, p: int) -> float:
+    by_sigma = fit.parameters[p] == "sigma" or fit.exponent_range is None
+    return fit.sigma_range[0] if by_sigma else 1 / math.sqrt(fit.exponent_range[1])  # type: ignore[index]
+
+
+def _proven(fit: Fit, by: str) -> tuple[str, str] | None:
+    """Ends of the range of a parameter that the bound is about, rounded inwards where they are not what was asked for."""
+    mine = [p for p in range(fit.lobes) if fit.parameters[p] == by and np.isfinite(fit.proven_sigma[p, 0])]
+    cut = any(fit.proven_sigma[p, 0] > _asked_floor(fit, p) for p in mine)
+    if by == "sigma":
+        low, high = fit.sigma_range
+        return directed(max(fit.proven_sigma[p, 0] for p in mine), 6, True) if cut else "%.6g" % low, "%.6g" % high
+    assert fit.exponent_range is not None
+    low, high = fit.exponent_range
+    if not cut or fit.proven_exponent is None:
+        return "%.6g" % low, "%.6g" % high
+    return "%.6g" % low, directed(min(fit.proven_exponent[p, 1] for p in mine), 6, False)
 
 
 def _family(fit: Fit) -> str:
-    """Which models the bound is about: the range is rounded inwards where it is not what was asked for."""
-    if fit.proven_sigma is None:
+    """Which models the bound is about."""
+    if not np.any(np.isfinite(fit.proven_sigma[:, 0])):
         return "diffuse fit"
-    low, high = fit.proven_sigma if fit.proven_exponent is None else fit.proven_exponent
-    cut = is_cut(fit)
-    least = directed(low, 6, True) if cut and fit.proven_exponent is None else "%.6g" % low
-    most = directed(high, 6, False) if cut and fit.proven_exponent is not None else "%.6g" % high
-    return "%s fit with %s and %s in [%s, %s]" % (TITLES[fit.distribution], lobes_word(fit), parameter(fit), least, most)
+    found = ["%s in [%s, %s]" % (letter, *_proven(fit, by)) for letter, by in (("σ", "sigma"), ("n", "exponent"))  # type: ignore[misc]
+             if by in fit.parameters]
+    return "%s %s %s" % (_lobes.family(fit.distributions), "and" if len(set(fit.distributions)) == 1 else "with",
+                         " and ".join(found))
 
 
 def _cut(fit: Fit) -> str:
-    """Why the range is not the one that was asked for."""
-    if not is_cut(fit):
-        return ""
-    if fit.proven_sigma is None:
+    """Why a range is not the one that was asked for."""
+    if not np.any(np.isfinite(fit.proven_sigma[:, 0])):
         return (" No sample is near enough to the mirror direction for any lobe of the range that was asked for: its "
                 "coefficients would be beyond any double.")
-    asked = "down to %.6g" % fit.sigma_range[0] if fit.exponent_range is None else "up to %.6g" % fit.exponent_range[1]
-    return (" Of %s %s, as asked for, nothing is said: no sample sees such lobes, whose coefficients would be beyond any "
-            "double." % (parameter(fit), asked))
+    out = ""
+    for letter, by in (("σ", "sigma"), ("n", "exponent")):
+        mine = [p for p in range(fit.lobes) if fit.parameters[p] == by and np.isfinite(fit.proven_sigma[p, 0])]
+        if any(fit.proven_sigma[p, 0] > _asked_floor(fit, p) for p in mine):
+            asked = "down to %.6g" % fit.sigma_range[0] if by == "sigma" else "up to %.6g" % fit.exponent_range[1]  # type: ignore[index]
+            out += (" Of %s %s, as asked for, nothing is said: no sample sees such lobes, whose coefficients would be "
+                    "beyond any double." % (letter, asked))
+    return out
 
 
 def _digits(low: float, high: float) -> int:
@@ -171,9 +201,10 @@ def warnings(fit: Fit) -> list[str]:
 
 
 def _warning(fit: Fit, p: int, word: str) -> str:
-    name = parameter(fit)
+    name = parameter(fit, p)
     values, interval, limits = (fit.sigma, fit.sigma_interval, fit.sigma_range)
-    if fit.exponent is not None and fit.exponent_interval is not None and fit.exponent_range is not None:
+    if (fit.parameters[p] == "exponent" and fit.exponent is not None and fit.exponent_interval is not None and
+            fit.exponent_range is not None):
         values, interval, limits = fit.exponent, fit.exponent_interval, fit.exponent_range
     if word == "unresolved":
         return ("rests on no more than %s effective samples: these directions do not resolve it, and it is a fit to "
@@ -204,15 +235,17 @@ def skipped(fit: Fit) -> str:
 
 def title(fit: Fit) -> str:
     name = "" if fit.file is None else "%s: " % readable(fit.file)
-    return "%s%s fit with %s, %s samples used" % (name, TITLES[fit.distribution], lobes_word(fit),
-                                                  format(fit.samples_used, ","))
+    words = _lobes.family(fit.distributions)
+    return "%s%s, %s samples used" % (name, words if name else words[0].upper() + words[1:], format(fit.samples_used, ","))
 
 
 def lobe_table(fit: Fit) -> list[list[str]]:
-    values = fit.sigma if fit.exponent is None else fit.exponent
-    rows = [["lobe", parameter(fit), "share w", "effective samples"]]
-    for p in range(fit.lobes):
-        rows.append([str(p + 1), "%.8g" % values[p], "%.1f %%" % (100 * fit.weight[p]),
+    differ, both = len(set(fit.distributions)) > 1, len(set(fit.parameters)) > 1
+    rows = [["lobe", *(["distribution"] if differ else []), "parameter" if both else parameter(fit, 0), "share w",
+             "effective samples"]]
+    for p, value in enumerate(fit.values):
+        rows.append([str(p + 1), *([_lobes.title(fit.distributions[p])] if differ else []),
+                     "%s%.8g" % (parameter(fit, p) + " = " if both else "", value), "%.1f %%" % (100 * fit.weight[p]),
                      "%.1f" % fit.effective_samples[p]])
     return rows
 

@@ -7,20 +7,20 @@ import json
 import math
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from ctypes import POINTER, byref
 from typing import Any, Union
 
 import numpy as np
 import numpy.typing as npt
 
+from . import _lobes, _words
 from . import _structs as structs
-from . import _words
 from ._arguments import choose
 from ._arrays import Floats, Frozen, address, floats, freeze, vectors
 from ._ffi import library
 from .errors import DataError, OptionError, from_struct
-from .options import BY_EXPONENT, Options, _number
+from .options import Options, _number
 from .progress import Observer, ProgressArgument
 from .samples import Samples
 
@@ -28,7 +28,7 @@ SCHEMA = "brdffit.fit/1"
 SamplesLike = Union[Samples, str, "os.PathLike[str]"]
 
 _ARRAY_FIELDS = ("sigma", "exponent", "x", "y", "channel_scale", "rms", "weight", "effective_samples",
-                 "sigma_interval", "exponent_interval", "_merl_directions")
+                 "sigma_interval", "exponent_interval", "proven_sigma", "proven_exponent", "_merl_directions")
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -37,13 +37,17 @@ class Fit(Frozen):
 
     status: "certified", or "gap_open" when the search stopped before its gap closed (the fit and its bound are valid
         all the same), or "contradiction" (an error of the library: nothing is proven); stop: why it stopped
-    sigma: P roughnesses, ascending; exponent: P exponents n where the distribution is known by them, else None
+    distributions: what each of the P lobes is: those of a distribution stand together; distribution: the same as one word,
+        None where they differ
+    sigma: P roughnesses, ascending among lobes of one distribution
+    exponent: P exponents n, sigma = 1/sqrt(n), NaN of lobes that are not known by them; None where no lobe is
     x: K diffuse coefficients; y: K x P specular ones, in the data's units (the paper's scaling, see brdffit.h)
     e2, objective: what the norm minimises, in units of channel_scale (K divisors)
     e2_error: how far e2 may be from that of this model on the samples, by rounding and by what sums do not know
-    lower_bound: proven: no model of this form with sigma in proven_sigma has less; gap: e2 - lower_bound
-    proven_sigma: that range, ends included: sigma_range, or less where narrower lobes have coefficients beyond any
-        double; None when no lobe is left. proven_exponent: the same in terms of n, where the distribution is known by it
+    lower_bound: proven: no model of this form with each lobe's sigma in its proven_sigma has less; gap: e2 - lower_bound
+    proven_sigma: P x 2, those ranges, ends included: what was asked for, or less where narrower lobes have coefficients
+        beyond any double; NaN where no lobe is left. proven_exponent: the same in terms of n, NaN of lobes that are not
+        known by it; None where no lobe is
     rms: K root mean square radiance residuals, the data's units; rms_total: of all, in units of channel_scale
     weight: share of each lobe; effective_samples: how many samples it rests on
     sigma_interval: P x 2, where E^2 is the optimum's to rounding; warnings: per lobe, of "unresolved", "flat",
@@ -54,7 +58,7 @@ class Fit(Frozen):
     """
 
     status: str
-    distribution: str
+    distribution: str | None
     norm: str
     engine: str | None
     lobes: int
@@ -87,6 +91,7 @@ class Fit(Frozen):
     normalise: str
     sigma_range: tuple[float, float]
     exponent_range: tuple[float, float] | None
+    proven_sigma: Floats
     relative_gap: float
     absolute_gap: float
     sigma_resolution: float
@@ -100,9 +105,23 @@ class Fit(Frozen):
     file: str | None = None
     schema: str = SCHEMA
     e2_error: float = 0.0
-    proven_sigma: tuple[float, float] | None = None
-    proven_exponent: tuple[float, float] | None = None
+    proven_exponent: Floats | None = None
     _merl_directions: Floats | None = None
+    distributions: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.distributions and self.distribution is not None:  # from before there were lists
+            object.__setattr__(self, "distributions", (self.distribution,) * self.lobes)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """What each lobe is known by: "sigma" or "exponent"."""
+        return _lobes.parameters(self.distributions)
+
+    @property
+    def values(self) -> Floats:
+        """P: of each lobe its own parameter, sigma or n."""
+        return self.sigma if self.exponent is None else np.where(np.isnan(self.exponent), self.sigma, self.exponent)
 
     @property
     def certified(self) -> bool:
@@ -147,7 +166,8 @@ class Fit(Frozen):
         self._check_model()
         sigma, x, y = floats("sigma", self.sigma), floats("x", self.x), floats("y", self.y)
         model = ffi.model()
-        model.distribution, model.lobes = structs.DISTRIBUTION.index(self.distribution), self.lobes
+        names = _lobes.as_c(tuple(self.distributions))
+        model.distribution, model.lobes, model.distributions = names[0], self.lobes, ctypes.addressof(names)
         model.channels = len(x)
         model.sigma, model.x, model.y = address(sigma), address(x), address(y)
         out = np.zeros((at.count, len(x)))
@@ -158,14 +178,21 @@ class Fit(Frozen):
 
     def _check_model(self) -> None:
         """C reads as much as lobes and channels say: of a fit that was made by hand or by others, is it there?"""
-        choose("distribution", self.distribution, structs.DISTRIBUTION)
         channels, lobes = len(self.channels), self.lobes
-        if lobes not in (1, 2):
-            raise DataError("a fit has 1 or 2 lobes, not %r" % (lobes,), code="format")
+        if lobes not in range(1, _lobes.MOST + 1):
+            raise DataError("a fit has 1 to %d lobes, not %r" % (_lobes.MOST, lobes), code="format")
+        if self.distribution is not None and set(self.distributions) != {self.distribution}:
+            raise DataError("distribution %r and distributions %r do not say the same" % (
+                self.distribution, self.distributions), code="format")
+        if len(self.distributions) != lobes:
+            raise DataError("distributions of a fit of %s must be as many, not %r" % (
+                _lobes.count_word(lobes), self.distributions), code="format")
+        for name in self.distributions:
+            choose("distribution", name, tuple(_lobes.distributions()))
         for name, shape in (("sigma", (lobes,)), ("x", (channels,)), ("y", (channels, lobes))):
             if np.shape(getattr(self, name)) != shape:
-                raise DataError("%s of a fit of %d lobe%s and %d channel%s must have shape %s, not %s" % (
-                    name, lobes, "" if lobes == 1 else "s", channels, "" if channels == 1 else "s", shape,
+                raise DataError("%s of a fit of %s and %d channel%s must have shape %s, not %s" % (
+                    name, _lobes.count_word(lobes), channels, "" if channels == 1 else "s", shape,
                     np.shape(getattr(self, name))), code="format")
 
     # ---- Show
@@ -194,15 +221,22 @@ class Fit(Frozen):
         names = {field.name for field in dataclasses.fields(cls)}
         members: dict[str, Any] = {name: given.get(name) for name in names}
         members["e2_error"] = given.get("e2_error", 0.0)
-        for proven, asked in (("proven_sigma", "sigma_range"), ("proven_exponent", "exponent_range")):
-            members[proven] = given.get(proven, given.get(asked))
+        members["distributions"] = tuple(given["distributions"]) if given.get("distributions") else ()
+        for name, missing_one in (("exponent", np.nan), ("exponent_interval", (np.nan, np.nan))):
+            if members[name] is not None:
+                members[name] = [missing_one if one is None else one for one in members[name]]
+        for name, asked in (("proven_sigma", "sigma_range"), ("proven_exponent", "exponent_range")):
+            found = given.get(name, [given.get(asked)] * int(given.get("lobes") or 1) if given.get(asked) else None)
+            members[name] = None if found is None else [(np.nan, np.nan) if one is None else one for one in found]
         for name in _ARRAY_FIELDS:
             if members[name] is not None:
                 members[name] = freeze(floats(name, members[name]))
-        for name in ("channels", "sigma_range", "exponent_range", "proven_sigma", "proven_exponent"):
+        for name in ("channels", "sigma_range", "exponent_range"):
             if members[name] is not None:
                 members[name] = tuple(members[name])
-        missing = sorted(n for n in ("sigma", "x", "y", "channels", "distribution") if members[n] is None)
+        missing = sorted(n for n in ("sigma", "x", "y", "channels") if members[n] is None)
+        if not members["distributions"] and members["distribution"] is None:
+            missing.append("distributions")
         if missing:
             raise DataError("this fit has no %s" % ", ".join(missing), code="format")
         fit = cls(**members)
@@ -227,7 +261,7 @@ class Fit(Frozen):
         return _words.html(self)
 
 
-def fit(samples: SamplesLike, *, lobes: int = 1, distribution: str = "beckmann", norm: str = "l2",
+def fit(samples: SamplesLike, *, lobes: int | Sequence[str] = 1, distribution: str | None = None, norm: str = "l2",
         engine: str = "moment", normalise: str = "max", sigma_range: tuple[float, float] = (1e-12, 6.0),
         exponent_range: tuple[float, float] = (0.1, 1e7), relative_gap: float = 1e-3, absolute_gap: float = 1e-12,
         sigma_resolution: float = 0.0, box_budget: int = 1_000_000, max_incidence: float = 60.0,
@@ -324,15 +358,17 @@ def _status(r: structs.Result) -> str:
     return "certified" if r.certified else "contradiction" if r.stop == _CONTRADICTION else "gap_open"
 
 
-def _proven(floor: float, options: Options) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
-    """What the bound is about, in sigma and (or None) in the exponent."""
-    if not math.isfinite(floor):
-        return None, None
-    if options.distribution not in BY_EXPONENT:
-        return (floor, options.sigma_searched[1]), None
+def _proven(floor: Floats, by_n: Sequence[bool], options: Options) -> tuple[Floats, Floats | None]:
+    """What the bound is about, lobe by lobe: in sigma, and (None where no lobe has one) in the exponent."""
     low, high = options.exponent_range
-    cut = floor > 1 / math.sqrt(high)
-    return (floor, options.sigma_searched[1]), (low, (1 - 1e-15) / (floor * floor) if cut else high)
+    sigma = np.array([(f, 1 / math.sqrt(low) if by else options.sigma_range[1]) if math.isfinite(f) else (math.nan, math.nan)
+                      for f, by in zip(floor, by_n)])
+    if not any(by_n):
+        return freeze(sigma), None
+    least = 1 / math.sqrt(high)
+    return freeze(sigma), freeze(np.array([
+        (low, (1 - 1e-15) / (f * f) if f > least else high) if by and math.isfinite(f) else (math.nan, math.nan)
+        for f, by in zip(floor, by_n)]))
 
 
 def convert(r: structs.Result, samples: Samples, options: Options, proof: Mapping[str, Any] | None,
@@ -340,17 +376,23 @@ def convert(r: structs.Result, samples: Samples, options: Options, proof: Mappin
     """A brdffit_result as a Fit that owns its memory."""
     model = r.model.contents
     lobes, channels = model.lobes, model.channels
-    by_exponent = options.distribution in BY_EXPONENT
+    names = _lobes.from_c(model.distributions, lobes)
+    by_n = [name == "exponent" for name in _lobes.parameters(names)]
+    by_exponent = any(by_n)
     skipped = dict(zip(structs.SKIP, r.samples_skipped[:len(structs.SKIP)]), **{
         reason: int(samples.dropped.get(reason, 0)) for reason in structs.DROP})
     table = np.frombuffer(b"".join(ctypes.string_at(r.lobe[p], _LOBE_BYTES) for p in range(lobes)),
                           np.float64).reshape(lobes, -1)
     n = _LOBE["exponent"]
-    proven = _proven(r.sigma_floor, options)
+    if by_exponent and not all(by_n):  # 0 in C where there is no n
+        table = table.copy()
+        table[np.logical_not(by_n), n:n + 3] = np.nan
+    proven = _proven(table[:, _LOBE["sigma_floor"]], by_n, options)
     fit = object.__new__(Fit)
     # What Fit() does, one member after the other and slower than a small fit. A test holds the two against each other.
     fit.__dict__.update(
-        status=_status(r), proven_sigma=proven[0], proven_exponent=proven[1], distribution=options.distribution, norm=options.norm,
+        status=_status(r), proven_sigma=proven[0], proven_exponent=proven[1],
+        distribution=names[0] if len(set(names)) == 1 else None, distributions=names, norm=options.norm,
         engine=options.engine if options.norm == "l2" else None, lobes=lobes,
         sigma=_copy(model.sigma, lobes), exponent=table[:, n] if by_exponent else None,
         x=_copy(model.x, channels), y=_copy(model.y, channels * lobes).reshape(channels, lobes),

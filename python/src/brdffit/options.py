@@ -1,11 +1,14 @@
 """What a fit is asked for. SPDX-License-Identifier: MIT"""
 from __future__ import annotations
 
+import ctypes
 import dataclasses
 import functools
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypedDict
 
+from . import _lobes
 from . import _structs as structs
 from ._arguments import choose
 from ._ffi import library
@@ -14,14 +17,11 @@ from .errors import OptionError
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-BY_EXPONENT = ("blinn-phong", "ashikhmin-shirley", "lafortune")
-
-
 class FitOptions(TypedDict, total=False):
     """Keyword arguments that `fit` and its relatives share; `Options` explains them."""
 
-    lobes: int
-    distribution: str
+    lobes: int | Sequence[str]
+    distribution: str | None
     norm: str
     engine: str
     normalise: str
@@ -40,13 +40,14 @@ class FitOptions(TypedDict, total=False):
 class Options:
     """What a fit is asked for; the defaults are those of the C library.
 
-    lobes: 1 or 2, beside the diffuse term
-    distribution: "beckmann", "ggx", "torrance-sparrow", "ward", and by exponent "blinn-phong", "ashikhmin-shirley",
-        "lafortune"
+    lobes: 1, 2 or 3, beside the diffuse term; or what each of them is: ["beckmann", "ggx"]. Lobes come out with those of a
+        distribution together, in the order of their first mention, and by ascending roughness among them
+    distribution: what every lobe is, when `lobes` is a number: one of `brdffit.distributions()`. None: "beckmann"
     norm: "l2", "l1" (robust to gross outliers) or "linf"; the last two need ECOS
     engine: "moment", or "socp": the paper's feasibility problem (needs ECOS); of norm l2
     normalise: "max" divides each channel by its largest radiance, "none" does not
-    sigma_range, exponent_range: where the search looks, and where the proof holds
+    sigma_range, exponent_range: where the search looks, and where the proof holds: the one for lobes that are known by
+        their roughness sigma, the other for those known by an exponent n
     relative_gap: the search stops when E^2 <= (1 + gap) lower bound
     absolute_gap: or when E^2 - lower bound is at most this share of the data's sum of squares
     sigma_resolution: boxes narrower than this are not split; 0: off
@@ -56,8 +57,8 @@ class Options:
     isa: "auto", "base", "avx2" or "avx512"; the results have the same bits
     """
 
-    lobes: int = 1
-    distribution: str = "beckmann"
+    lobes: int | Sequence[str] = 1
+    distribution: str | None = None
     norm: str = "l2"
     engine: str = "moment"
     normalise: str = "max"
@@ -71,17 +72,32 @@ class Options:
     socp_every_box: bool = False
     isa: str = "auto"
 
+    def __post_init__(self) -> None:
+        if isinstance(self.lobes, list):  # so that options can be looked up
+            object.__setattr__(self, "lobes", tuple(self.lobes))
+
+    @functools.cached_property
+    def distributions(self) -> tuple[str, ...]:
+        """What each lobe is, in the order of the fit."""
+        return _lobes.asked(self.lobes, self.distribution)
+
     @property
-    def by_exponent(self) -> bool:
-        """Whether the distribution is known by its exponent n; sigma is 1/sqrt(n) then."""
-        return self.distribution in BY_EXPONENT
+    def parameters(self) -> tuple[str, ...]:
+        """What each lobe is known by: "sigma", or "exponent" (n; sigma is 1/sqrt(n) then)."""
+        return _lobes.parameters(self.distributions)
+
+    @property
+    def lobe_count(self) -> int:
+        """How many lobes."""
+        return len(self.distributions)
 
     @property
     def sigma_searched(self) -> tuple[float, float]:
-        """The range of sigma that the search covers, whichever way it was given."""
-        if self.by_exponent:
-            return 1 / math.sqrt(self.exponent_range[1]), 1 / math.sqrt(self.exponent_range[0])
-        return self.sigma_range
+        """The range of sigma that the search covers for lobes known by it; if there are none, that of the exponent in
+        terms of sigma."""
+        if "sigma" in self.parameters:
+            return self.sigma_range
+        return 1 / math.sqrt(self.exponent_range[1]), 1 / math.sqrt(self.exponent_range[0])
 
     def replace(self, **changes: object) -> Self:
         """A copy with some of them changed."""
@@ -90,8 +106,11 @@ class Options:
     def _plain(self) -> Self:
         """The same in Python's own numbers, whatever kind (0-d arrays, numpy's scalars) they were given as."""
         c = self._struct()
+        names = self.distributions
+        alike = len(set(names)) == 1
         return self.replace(
-            lobes=int(c.lobes), sigma_range=(c.sigma_min, c.sigma_max), exponent_range=(c.exponent_min, c.exponent_max),
+            lobes=int(c.lobes) if alike else names, distribution=names[0] if alike else None,
+            sigma_range=(c.sigma_min, c.sigma_max), exponent_range=(c.exponent_min, c.exponent_max),
             relative_gap=c.relative_gap, absolute_gap=c.absolute_gap, sigma_resolution=c.sigma_resolution,
             box_budget=int(c.box_budget), max_incidence=c.max_incidence, socp_every_box=bool(c.socp_every_box))
 
@@ -103,8 +122,11 @@ class Options:
 
     def _make(self) -> structs.Options:
         out = library().options()
-        out.lobes = _integer("lobes", self.lobes, 2**31)
-        out.distribution = choose("distribution", self.distribution, structs.DISTRIBUTION)
+        names = self.distributions
+        out.lobes = len(names) if isinstance(self.lobes, tuple) else _integer("lobes", self.lobes, 2**31)  # type: ignore[arg-type]
+        out.distribution = _lobes.value(names[0])
+        if len(set(names)) > 1:
+            out.distributions = ctypes.addressof(_lobes.as_c(names))
         out.norm = choose("norm", self.norm, structs.NORM)
         out.engine = choose("engine", self.engine, structs.ENGINE)
         out.normalise = choose("normalise", self.normalise, structs.NORMALISE)

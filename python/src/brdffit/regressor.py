@@ -1,7 +1,7 @@
 """The fit as a scikit-learn regressor. SPDX-License-Identifier: MIT"""
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,8 +37,9 @@ class BRDFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # sci
     After `fit`: fit_ (the brdffit.Fit with its certificate), sigma_, n_features_in_.
     """
 
-    def __init__(self, *, features: Features = "directions", quantity: str = "brdf", lobes: int = 1,
-                 distribution: str = "beckmann", norm: str = "l2", engine: str = "moment", normalise: str = "max",
+    def __init__(self, *, features: Features = "directions", quantity: str = "brdf",
+                 lobes: int | Sequence[str] = 1, distribution: str | None = None, norm: str = "l2", engine: str = "moment",
+                 normalise: str = "max",
                  sigma_range: tuple[float, float] = (1e-12, 6.0), exponent_range: tuple[float, float] = (0.1, 1e7),
                  relative_gap: float = 1e-3, absolute_gap: float = 1e-12, box_budget: int = 1_000_000,
                  max_incidence: float = 60.0) -> None:

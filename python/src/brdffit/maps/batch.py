@@ -28,7 +28,7 @@ _TYPES = {np.dtype(name): i for i, name in enumerate(structs.TYPE)}
 
 # Texels of one call where it is not said: some milliseconds of work, so that Ctrl-C is heard soon.
 TILE_ONE_LOBE = 4096
-TILE_TWO_LOBES = 32
+TILE_MORE_LOBES = 32
 TILE_PROGRAMS = 1
 TILE_OWN = 64  # with directions of their own, one lobe
 
@@ -45,7 +45,7 @@ def default_tile(options: Options, own: bool = False) -> int:
         return TILE_PROGRAMS
     if own:
         return TILE_OWN
-    return TILE_ONE_LOBE if options.lobes == 1 else TILE_TWO_LOBES
+    return TILE_ONE_LOBE if options.lobe_count == 1 else TILE_MORE_LOBES
 
 
 class Plan:
@@ -53,7 +53,7 @@ class Plan:
 
     def __init__(self, geometry: Samples, channels: int, options: Options) -> None:
         core = library().core
-        self.samples, self.channels, self.lobes = len(geometry), channels, options.lobes
+        self.samples, self.channels, self.lobes = len(geometry), channels, options.lobe_count
         self.options = options
         c_options, c_samples = options._struct(), geometry._struct()
         c_samples.channels, c_samples.values = channels, None

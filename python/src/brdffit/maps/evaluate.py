@@ -1,6 +1,7 @@
 """Fitted texels under other directions. SPDX-License-Identifier: MIT"""
 from __future__ import annotations
 
+import ctypes
 import math
 from ctypes import byref
 from typing import TYPE_CHECKING, Any
@@ -8,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from .. import _lobes
 from .. import _structs as structs
 from .._arguments import choose
 from .._arrays import Floats, address, floats, vectors
@@ -101,7 +103,11 @@ def _evaluate(fits: FitMap, at: structs.Samples, directions: _Directions, out: F
         raise DataError("sigma, x and y of shapes %s, %s and %s do not belong to texels of shape %s" % (
             sigma.shape, x.shape, y.shape, fits.shape), code="argument")
     model = library().model()
-    model.distribution, model.lobes = structs.DISTRIBUTION.index(fits.options.distribution), lobes
+    names = _lobes.as_c(fits.distributions)
+    if len(names) != lobes:
+        raise DataError("sigma of %s does not belong to options of %d" % (_lobes.count_word(lobes), len(names)),
+                        code="argument")
+    model.distribution, model.lobes, model.distributions = names[0], lobes, ctypes.addressof(names)
     model.channels = channels
     words = np.frombuffer(memoryview(model).cast("B"), np.uintp)
     at_sigma, at_x, at_y = (getattr(structs.Model, name).offset // 8 for name in ("sigma", "x", "y"))

@@ -43,9 +43,11 @@ def describe(fits: FitMap) -> dict[str, Any]:
     known = [name for name in STATUS if name != "not_reached" or counts[name]]
     size = {"height": fits.shape[0], "width": fits.shape[1]} if len(fits.shape) == 2 else {"shape": list(fits.shape)}
     o = fits.options
-    ranges = {"sigma_range": o.sigma_searched, **({"exponent_range": o.exponent_range} if o.by_exponent else {})}
+    ranges = {"sigma_range": o.sigma_searched, **({"exponent_range": o.exponent_range} if "exponent" in o.parameters else {})}
+    names = list(o.distributions)
+    one = names[0] if len(set(names)) == 1 else None
     return {"schema": SCHEMA, "version": __version__, "samples": fits.samples, **size, "channels": fits.channels,
-            "lobes": fits.lobes, "distribution": o.distribution, "norm": o.norm, "normalise": o.normalise,
+            "lobes": fits.lobes, "distribution": one, "distributions": names, "norm": o.norm, "normalise": o.normalise,
             **{name: list(ends) for name, ends in ranges.items()}, **{name: getattr(o, name) for name in _ASKED},
             "quantity": fits.quantity,
             "status": {str(STATUS.index(name)): name for name in known},
@@ -187,12 +189,14 @@ def _options(about: dict[str, Any], lobes: int, path: pathlib.Path) -> Options:
     """What was asked for: where the proof holds is among it."""
     try:
         ranges: dict[str, Any] = {name: tuple(about[name]) for name in ("sigma_range", "exponent_range") if name in about}
-        if "exponent_range" in ranges:
-            del ranges["sigma_range"]  # that of the exponent in other words
-        options = Options(lobes=lobes, **{name: about[name] for name in ("distribution", "norm", "normalise", *_ASKED)},
-                          **ranges)
+        names = about.get("distributions") or [about["distribution"]] * lobes  # maps from before there were lists
+        options = Options(lobes=names, **{name: about[name] for name in ("norm", "normalise", *_ASKED)}, **ranges)
+        if options.lobe_count != lobes:
+            raise ValueError("%d lobes, and the distributions of %d" % (lobes, options.lobe_count))
+        if "sigma" not in options.parameters:  # its range is that of the exponent in other words
+            options = options.replace(sigma_range=Options().sigma_range)
         return options._plain()
-    except (KeyError, TypeError, OptionError) as error:
+    except (KeyError, TypeError, ValueError, OptionError) as error:
         raise DataError("%s does not say what was asked for (%s)" % (_DESCRIPTION, error), code="format",
                         path=str(path)) from error
 

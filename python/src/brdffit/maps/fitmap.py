@@ -19,7 +19,8 @@ class FitMap(Frozen):
     """Fitted models and certificates of many texels. S stands for the spatial shape of the values, K for channels, P for
     lobes. Texels that were not fitted have NaN in every floating-point array. Arrays cannot be written to.
 
-    sigma: S x P roughnesses, ascending (1/sqrt(n) where the distribution is known by its exponent n: see `exponent`)
+    sigma: S x P roughnesses, those of a distribution ascending (1/sqrt(n) of a lobe that is known by its exponent n: see
+        `exponent`); `distributions` says what each lobe is
     x: S x K diffuse coefficients; y: S x K x P specular ones, both in the data's units
     channel_scale: S x K divisors: e2, lower_bound and sum_of_squares are in units of the values divided by them
     e2: S, what the norm minimises; lower_bound: S, proven: no model of this form has less; gap: e2 - lower_bound
@@ -28,7 +29,7 @@ class FitMap(Frozen):
         valid), 2 "no_signal" (all values 0: so is the model, proven), 3 "masked", 4 "bad_value" (NaN or infinite),
         5 "refused" (a fit of it alone would fail), 6 "no_samples" (its own directions leave none), 7 "not_reached"
         (the run was stopped)
-    stop: S, bytes that index `FitMap.STOP`: why the search of a certified or open texel ended; 8 "none" for others
+    stop: S, bytes that index `FitMap.STOP`: why the search of a certified or open texel ended; "none" for others
     where: S, of a bad value: sample * K + channel; else -1
     boxes: S, how many the search bounded
     sigma_floor: S: what is proven is proven for sigma from here to the largest of the range: the smallest of the range,
@@ -83,9 +84,23 @@ class FitMap(Frozen):
         return np.maximum(self.e2 - self.lower_bound, 0.0)
 
     @property
+    def distributions(self) -> tuple[str, ...]:
+        """P: what each lobe is."""
+        return self.options.distributions
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """P: what each lobe is known by: "sigma" or "exponent"."""
+        return self.options.parameters
+
+    @property
     def exponent(self) -> Floats | None:
-        """S x P: n = 1 / sigma^2, where the distribution is known by it; else None."""
-        return 1.0 / (self.sigma * self.sigma) if self.options.by_exponent else None
+        """S x P: n = 1 / sigma^2, NaN of lobes that are not known by it; None where no lobe is."""
+        if "exponent" not in self.parameters:
+            return None
+        out: Floats = 1.0 / (self.sigma * self.sigma)
+        out[..., [name == "sigma" for name in self.parameters]] = np.nan
+        return out
 
     @property
     def certified(self) -> npt.NDArray[np.bool_]:

@@ -56,7 +56,7 @@ def fit_array(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike 
     flags = texel_mask(mask, stack.spatial)
     scale = positive("scale", scale)
     began = time.perf_counter()
-    results = allocate(stack.count, stack.channels, asked.lobes)
+    results = allocate(stack.count, stack.channels, asked.lobe_count)
     size = count_of("tile", tile, _tile(asked, given.own, stack.count))  # type: ignore[arg-type]  # a shape is refused
     tiles = tiles_of(stack.count, size)
     pool = Pool(tiles)

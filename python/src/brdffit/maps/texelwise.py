@@ -61,7 +61,7 @@ class Worker:
                  mask: npt.NDArray[np.uint8] | None, scale: float, cancelled: Callable[[], bool]) -> None:
         core = library().core
         self.given, self.stack, self.mask, self.scale = given, stack, mask, scale
-        self.to, self.lobes = results, options.lobes
+        self.to, self.lobes = results, options.lobe_count
         self.options, self.cancelled = options._struct(), cancelled
         self._progress = _CancelFunction(lambda user, progress: cancelled())
         self.options.progress = ctypes.cast(self._progress, structs.ProgressFunction)
@@ -80,7 +80,7 @@ class Worker:
         self._model_words = memoryview(self._model).cast("B").cast("P")
         self._counted = (ctypes.c_size_t * len(structs.SKIP))()
         self._out: dict[str, Any] = {name: array.data for name, array in results.items() if array.ndim == 1}
-        row = 8 * options.lobes
+        row = 8 * options.lobe_count
         self._rows = tuple((results[name].ctypes.data, width, words, pointer) for name, width, words, pointer in (
             ("sigma", row, self._model_words, _SIGMA), ("x", 8 * stack.channels, self._model_words, _X),
             ("y", row * stack.channels, self._model_words, _Y),

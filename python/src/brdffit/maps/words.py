@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._words import OBJECTIVES, TITLES, html_table
+from .. import _lobes
+from .._words import OBJECTIVES, family, html_table
 
 if TYPE_CHECKING:
     from .fitmap import FitMap
@@ -35,23 +36,23 @@ def statuses(fits: FitMap) -> list[tuple[str, str]]:
 
 def parameters(fits: FitMap) -> list[list[str]]:
     """Quantiles of each lobe's parameter over the fitted texels."""
-    values = fits.exponent if fits.options.by_exponent else fits.sigma
-    name = "n" if fits.options.by_exponent else "σ"
-    rows = [["lobe", "least " + name, "median", "largest"]]
-    chosen = values[fits.fitted] if values is not None else np.empty((0, fits.lobes))
-    for p in range(fits.lobes if len(chosen) else 0):
-        rows.append([str(p + 1), *("%.5g" % f(chosen[:, p]) for f in (np.min, np.median, np.max))])
+    names = fits.distributions
+    exponent, differ, both = fits.exponent, len(set(names)) > 1, len(set(fits.parameters)) > 1
+    rows = [["lobe", *(["distribution"] if differ else []), "least" if both else "least " + _lobes.letter(names[0]), "median",
+             "largest"]]
+    for p in range(fits.lobes if fits.fitted.any() else 0):
+        values = fits.sigma if exponent is None or fits.parameters[p] == "sigma" else exponent
+        chosen = values[fits.fitted][:, p]
+        rows.append([str(p + 1), *([_lobes.title(names[p])] if differ else []), *(
+            "%s%.5g" % (_lobes.letter(names[p]) + " = " if both else "", f(chosen)) for f in (np.min, np.median, np.max))])
     return rows
 
 
 def certificate(fits: FitMap) -> str:
     o = fits.options
-    name, limits = ("n", o.exponent_range) if o.by_exponent else ("σ", o.sigma_range)
-    what = OBJECTIVES[o.norm]
-    return ("Proven of each certified texel: its %s is within %.6g %% of the smallest that any %s fit with %d lobe%s and "
-            "%s in [%.6g, %.6g] has, or within %.6g times that of the zero model." % (
-                what, 100 * o.relative_gap, TITLES[o.distribution], o.lobes, "" if o.lobes == 1 else "s", name, *limits,
-                o.absolute_gap))
+    return ("Proven of each certified texel: its %s is within %.6g %% of the smallest that any %s has, or within %.6g times "
+            "that of the zero model." % (OBJECTIVES[o.norm], 100 * o.relative_gap, family(
+                fits.distributions, o.sigma_range, o.exponent_range), o.absolute_gap))
 
 
 def run(fits: FitMap) -> str:
@@ -83,7 +84,7 @@ def _lines(fits: FitMap) -> list[str]:
 
 def text(fits: FitMap) -> str:
     rows = parameters(fits)
-    widths = [max(len(row[i]) for row in rows) for i in range(4)]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     lines = [title(fits)]
     for paragraph in _lines(fits):
         lines += textwrap.wrap(paragraph, 79, initial_indent="  ", subsequent_indent="  ")

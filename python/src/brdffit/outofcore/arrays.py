@@ -80,8 +80,9 @@ def open_maps(path: Any) -> MapArrays:
     group, about = store.find_maps(path)
     asked: dict[str, Any] = {
         name: tuple(value) if isinstance(value, list) else value for name, value in about["options"].items()}
-    named = {field.name: group[field.stored] for field in store.fields(about["channels"], asked["lobes"])}
-    return MapArrays(named, None, {"options": Options(**asked), "quantity": about["quantity"],
+    options = Options(**asked)
+    named = {field.name: group[field.stored] for field in store.fields(about["channels"], options.distributions)}
+    return MapArrays(named, None, {"options": options, "quantity": about["quantity"],
                                    "samples": about["samples"], "own": about["own"]}, group)
 
 

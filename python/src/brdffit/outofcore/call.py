@@ -89,4 +89,4 @@ def prepare(source: Source, light: DirectionsLike, view: Any, normal: Any, weigh
     _check(source, given, options)
     shape = source.cut(tile)
     return Call(source, given, options, flags, positive("scale", scale), errors, shape,
-                tiles.regions(source.spatial, shape), store.fields(source.channels, options.lobes))
+                tiles.regions(source.spatial, shape), store.fields(source.channels, options.distributions))

@@ -72,7 +72,7 @@ def dataset(maps: Any, fields: Sequence[store.Field], labels: Labels, manifest: 
     if group is not None:
         return xarray.open_zarr(group.store, group=group.path, consolidated=False, chunks={}).unify_chunks()
     layout = store.Layout((), (), 0, (), labels.spatial, labels.renamed, {})
-    found = {field.stored: (layout.dims_of(field), getattr(maps, field.name), store.field_attributes(field.name))
+    found = {field.stored: (layout.dims_of(field), getattr(maps, field.name), store.field_attributes(field))
              for field in fields}
     out = xarray.Dataset(found, coords=labels.coords.variables, attrs={"brdffit": json.dumps(manifest)})
     return out.unify_chunks()  # coordinates may have chunks of their own

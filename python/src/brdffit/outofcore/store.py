@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .. import _lobes
 from .. import _structs as structs
 from .._version import __version__
 from ..errors import DataError, OptionError
@@ -46,19 +47,23 @@ class Field:
     shape: tuple[int, ...]
     dims: tuple[str, ...]
     fill: float
+    distributions: tuple[str, ...] = ()  # along its dimension "lobe"
 
 
-def fields(channels: int, lobes: int) -> list[Field]:
-    one = allocate(1, channels, lobes)
+def fields(channels: int, distributions: tuple[str, ...]) -> list[Field]:
+    one = allocate(1, channels, len(distributions))
     blank(one, slice(0, 1), NOT_REACHED)
     return [Field(name, {"x": "diffuse", "y": "specular"}.get(name, name), array.dtype.name, array.shape[1:],
-                  _TRAILING.get(name, ()), float("nan") if array.dtype.kind == "f" else int(array.flat[0]))
+                  _TRAILING.get(name, ()), float("nan") if array.dtype.kind == "f" else int(array.flat[0]),
+                  distributions if "lobe" in _TRAILING.get(name, ()) else ())
             for name, array in one.items()]
 
 
-def field_attributes(name: str) -> dict[str, Any]:
-    """What a reader of the file should know (CF's flags)."""
-    words = {"status": STATUS, "stop": STOP}.get(name)
+def field_attributes(field: Field) -> dict[str, Any]:
+    """What a reader of the file should know (CF's flags; what each lobe is)."""
+    if field.distributions:
+        return {"distributions": " ".join(field.distributions), "parameters": " ".join(_lobes.parameters(field.distributions))}
+    words = {"status": STATUS, "stop": STOP}.get(field.name)
     if words is None:
         return {}
     return {"flag_values": list(range(len(words))), "flag_meanings": " ".join(word.replace(" ", "_") for word in words)}
@@ -122,7 +127,7 @@ def _names(group: Any) -> set[str]:
 
 def _foreign(group: Any) -> list[str]:
     """Of these what is neither an array of maps nor a coordinate of theirs."""
-    ours = {field.stored for field in fields(1, 1)} | {"tiles"} | set(str(group.attrs.get("coordinates", "")).split())
+    ours = {field.stored for field in fields(1, ("",))} | {"tiles"} | set(str(group.attrs.get("coordinates", "")).split())
     if "specular" in group:  # which has all dimensions
         ours |= set(group["specular"].metadata.dimension_names or ())
     return sorted(_names(group) - ours)
@@ -207,7 +212,7 @@ def _make_arrays(group: Any, layout: Layout) -> None:
         if field.stored not in group:
             group.create_array(field.stored, shape=(*layout.spatial, *field.shape), chunks=(*layout.tile, *field.shape),
                                dtype=field.dtype, fill_value=field.fill, dimension_names=layout.dims_of(field),
-                               attributes=field_attributes(field.name))
+                               attributes=field_attributes(field))
     columns = [*COUNTED, *("skipped: " + name for name in SKIPPED)]
     if "tiles/done" not in group:
         group.require_group("tiles").create_array("done", shape=(layout.tiles, len(columns)), chunks=(1, len(columns)),

@@ -16,11 +16,12 @@ from urllib.parse import quote, unquote
 
 import numpy as np
 
+from .. import _lobes
 from .. import _structs as structs
 from .._version import __version__
 from .._words import readable
-from ..errors import BrdffitError, FileError
-from ..options import BY_EXPONENT, Options
+from ..errors import BrdffitError, FileError, OptionError
+from ..options import Options
 from ..progress import Bar
 from ..samples import Samples
 from ._analysis import Material, measure
@@ -32,7 +33,7 @@ __all__ = ["Material", "main", "measure", "page"]
 CERTIFIED, FAILURE, USAGE, DATA, OPEN = 0, 1, 2, 3, 4
 
 
-def page(samples: Samples, name: str, *, lobes: int = 2, index: str | None = None, **options: Any) -> str:
+def page(samples: Samples, name: str, *, lobes: int | Sequence[str] = 2, index: str | None = None, **options: Any) -> str:
     """One material's page as HTML that needs no other file."""
     return material_page(measure(name, samples, options, lobes), index)
 
@@ -46,8 +47,9 @@ def _parser() -> argparse.ArgumentParser:
         "read or written, 2 wrong usage, 3 data that cannot be used.")
     p.add_argument("files", nargs="+", metavar="FILE", help="CSV, TSV or MERL .binary, also .gz; RGL .bsdf; HDF5; zarr")
     p.add_argument("-o", "--output", default="brdffit-report", metavar="DIR", help="where the pages go (%(default)s)")
-    p.add_argument("--lobes", type=int, choices=(1, 2), default=2, help="the fit that is shown in detail (%(default)s)")
-    p.add_argument("--distribution", choices=structs.DISTRIBUTION, default=defaults.distribution)
+    p.add_argument("--lobes", type=_lobes_of, default=2, metavar="1|2|3|NAME,...",
+                   help="the fit that is shown in detail: how many of --distribution, or what each is (%(default)s)")
+    p.add_argument("--distribution", choices=tuple(_lobes.distributions()), default=defaults.distribution)
     p.add_argument("--norm", choices=structs.NORM, default=defaults.norm)
     p.add_argument("--gap", type=float, default=defaults.relative_gap, metavar="G", help="relative gap on E² (%(default)s)")
     p.add_argument("--max-incidence", default=defaults.max_incidence, metavar="DEG", type=_degrees,
@@ -61,6 +63,21 @@ def _parser() -> argparse.ArgumentParser:
     p.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
     p.add_argument("--version", action="version", version="brdffit-report " + __version__)
     return p
+
+
+def _lobes_of(text: str) -> int | tuple[str, ...]:
+    """A number, or names."""
+    try:
+        found: int | tuple[str, ...] = int(text)
+        if found not in range(1, _lobes.MOST + 1):
+            raise argparse.ArgumentTypeError("must be 1 to %d, not %s" % (_lobes.MOST, text))
+    except ValueError:
+        found = tuple(text.split(","))
+        try:
+            return _lobes.asked(found, None)
+        except OptionError as error:
+            raise argparse.ArgumentTypeError(str(error)) from error
+    return found
 
 
 def _degrees(text: str) -> float:
@@ -115,7 +132,12 @@ def _material_name(path: str) -> str:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    arguments = _parser().parse_args(argv)
+    parser = _parser()
+    arguments = parser.parse_args(argv)
+    try:
+        names = _lobes.asked(arguments.lobes, arguments.distribution)
+    except OptionError as error:
+        parser.error(str(error))
     many = len(arguments.files) > 1
     bar = Bar(len(arguments.files), "page") if not arguments.quiet and sys.stderr.isatty() else None
     batch = _Batch(arguments, pathlib.Path(arguments.output))
@@ -126,8 +148,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             if bar is not None:
                 bar.update(done)
         if many:
-            parameter = "n" if arguments.distribution in BY_EXPONENT else "σ"
-            _write(batch.folder / "index.html", index_page(batch.rows, batch.failures, parameter))
+            _write(batch.folder / "index.html", index_page(batch.rows, batch.failures, _lobes.letters(names)))
     except OSError as error:
         print("brdffit report: %s" % error, file=sys.stderr)
         return FAILURE

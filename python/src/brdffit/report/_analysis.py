@@ -2,26 +2,28 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import itertools
-from collections.abc import Callable
+import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from .. import _words
+from .. import _lobes, _words
 from .._arrays import Floats
 from ..boxes import Boxes, fit_boxes
 from ..errors import BrdffitError
 from ..fit import Fit
 from ..fit import fit as brdffit_fit
 from ..merl import MerlTable, load_merl
-from ..options import BY_EXPONENT, Options
+from ..options import Options
 from ..readers.rgl import RGLMaterial, load_rgl
 from ..samples import Samples
 
-# Points of the exact curves, with one lobe and with two, and of large tables: they evaluate every sample at each.
-GRID_ONE, GRID_TWO, GRID_LARGE = 240, 72, 40
+# Points of the exact curves, with one lobe, two and three, and of large tables: they evaluate every sample at each.
+GRID, GRID_LARGE = {1: 240, 2: 72, 3: 24}, 40
 LARGE = 100_000
 
 
@@ -32,7 +34,7 @@ Near = tuple[float, list[tuple[float, float]]]
 
 @dataclasses.dataclass
 class Material:
-    """One file: its fits with one and with two lobes, `main` the one that was asked for.
+    """One file: its fits with one lobe and with those that were asked for (`main`), by their number.
 
     views: what is drawn over the angle of the light: the samples, or, when a whole table was fitted, the table looked up
     at the paper's views; None where there are no directions
@@ -50,22 +52,25 @@ class Material:
 
     @property
     def main(self) -> Fit:
-        return self.fits[self.options.lobes]
+        return self.fits[self.options.lobe_count]
 
 
-def measure(name: str, samples: Samples, options: dict[str, Any], lobes: int) -> Material:
+def measure(name: str, samples: Samples, options: dict[str, Any], lobes: int | Sequence[str]) -> Material:
+    asked = Options(**{**options, "lobes": lobes})
+    one = asked.replace(lobes=1, distribution=asked.distributions[0])
     table: MerlTable | RGLMaterial | None = None
     if samples.format == "merl" and samples.file is not None:
         table = load_merl(samples.file, bins=samples.merl_bins or "edge")
     elif samples.format == "rgl" and samples.file is not None:
         table = load_rgl(samples.file)
     fits, boxes, leaves, near = {}, {}, {}, {}
-    for count in sorted({1, lobes}):
-        fits[count], boxes[count] = fit_boxes(samples, **{**options, "lobes": count})
+    for count, of in {1: one, asked.lobe_count: asked}.items():
+        members: dict[str, Any] = {f.name: getattr(of, f.name) for f in dataclasses.fields(of)}
+        fits[count], boxes[count] = fit_boxes(samples, **members)
         leaves[count] = leaf(boxes[count])
-        near[count] = near_optimal(samples, Options(**{**options, "lobes": count}), fits[count], boxes[count], leaves[count])
+        near[count] = near_optimal(samples, of, fits[count], boxes[count], leaves[count])
     views = samples if _in_series(samples, table is not None) else None if table is None else _look_up(table, samples.channels)
-    return Material(name, samples, table, Options(**{**options, "lobes": lobes}), fits, boxes, leaves, near, views)
+    return Material(name, samples, table, asked, fits, boxes, leaves, near, views)
 
 
 def _in_series(samples: Samples, has_table: bool) -> bool:
@@ -197,13 +202,22 @@ def along(one: Series, angles: Floats) -> tuple[Floats, Floats]:
 # ---- E at given roughness ----------------------------------------------------
 
 
-def objective(material: Material, sigma: Floats, lobes: int) -> Floats | None:
-    """Smallest E^2 at each sigma (of two lobes: at each pair), by plain non-negative least squares: independent of the
-    search. None where another norm is fitted."""
+def objective(material: Material, sigma: Floats | Sequence[Floats], lobes: int) -> Floats | None:
+    """Smallest E^2 at each sigma (of several lobes: each combination, an axis a lobe), by plain non-negative least squares:
+    independent of the search. sigma: for every lobe, or a list of them. None where another norm is fitted."""
     if material.options.norm != "l2":
         return None
     s, fit = material.samples, material.fits[lobes]
-    n = len(sigma)
+    grids = [sigma] * lobes if isinstance(sigma, np.ndarray) else list(sigma)
+    # Lobes of a distribution share their columns, behind the diffuse one.
+    first = [0] * lobes
+    wanted: list[tuple[str, float]] = []
+    for name, same in _lobes.kinds(fit.distributions):
+        for p in range(same.start, same.stop):
+            first[p] = 1 + len(wanted)
+            if p + 1 == same.stop or grids[p + 1] is not grids[p]:
+                wanted += [(name, float(v)) for v in grids[p]]
+    n = len(wanted)
     gram, t, total = np.zeros((n + 1, n + 1)), np.zeros((n + 1, len(s.channels))), 0.0
     for start in range(0, len(s), LARGE // 2):
         part = _part(s, slice(start, start + LARGE // 2))
@@ -213,7 +227,7 @@ def objective(material: Material, sigma: Floats, lobes: int) -> Floats | None:
             continue
         part, data = _part(part, used), at.radiance[used] / fit.channel_scale
         root = np.ones((len(part), 1)) if part.weights is None else np.sqrt(part.weights)[:, None]
-        columns = [_column(fit, part, 1.0, sigma[0], 0.0), *(_column(fit, part, 0.0, v, 1.0) for v in sigma)]
+        columns = [_column(fit, part, 1.0, *wanted[0], 0.0), *(_column(fit, part, 0.0, *one, 1.0) for one in wanted)]
         matrix = np.stack(columns, 1) * root
         gram += matrix.T @ matrix
         t += matrix.T @ (data * root)
@@ -221,11 +235,8 @@ def objective(material: Material, sigma: Floats, lobes: int) -> Floats | None:
     length = np.sqrt(np.diag(gram))
     length[length == 0] = 1
     gram, t = gram / np.outer(length, length), t / length[:, None]
-    if lobes == 1:
-        index = np.stack([np.zeros(n, int), 1 + np.arange(n)], -1)
-    else:
-        i, j = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
-        index = np.stack([np.zeros_like(i), 1 + i, 1 + j], -1)
+    chosen = np.meshgrid(*(at + np.arange(len(grid)) for at, grid in zip(first, grids)), indexing="ij")
+    index = np.stack([np.zeros_like(chosen[0]), *chosen], -1)
     gain = np.sum([_gain(gram, t[:, k], index) for k in range(t.shape[1])], axis=0)
     return np.asarray(np.maximum(total - gain, 0))
 
@@ -238,8 +249,9 @@ def _part(s: Samples, rows: slice | npt.NDArray[np.intp]) -> Samples:
     return Samples(**members)
 
 
-def _column(fit: Fit, s: Samples, x: float, sigma: float, y: float) -> Floats:
-    one = dataclasses.replace(fit, lobes=1, sigma=np.array([sigma]), x=np.array([x]), y=np.array([[y]]), channels=("",))
+def _column(fit: Fit, s: Samples, x: float, name: str, sigma: float, y: float) -> Floats:
+    one = dataclasses.replace(fit, lobes=1, distribution=name, distributions=(name,), sigma=np.array([sigma]),
+                              x=np.array([x]), y=np.array([[y]]), channels=("",))
     column: Floats = one.predict_samples(s, quantity="radiance")[:, 0]
     return column
 
@@ -260,19 +272,35 @@ def _gain(gram: Floats, t: Floats, index: npt.NDArray[Any]) -> Floats:
     return np.asarray(best)
 
 
-def sigma_span(material: Material, lobes: int) -> tuple[float, float]:
-    """What is worth looking at of the range searched."""
+def same_kind(fit: Fit, p: int) -> slice:
+    """The lobes of the distribution of lobe p."""
+    return next(same for _, same in _lobes.kinds(fit.distributions) if same.start <= p < same.stop)
+
+
+def sigma_limits(fit: Fit, p: int) -> tuple[float, float]:
+    """The range of a lobe's sigma that the proof is about: what was searched, whichever way it was given, or less."""
+    if math.isfinite(fit.proven_sigma[p][0]):
+        return float(fit.proven_sigma[p][0]), float(fit.proven_sigma[p][1])
+    if fit.parameters[p] == "sigma" or fit.exponent_range is None:
+        return fit.sigma_range
+    least, most = fit.exponent_range
+    return most**-0.5, least**-0.5
+
+
+def sigma_span(material: Material, lobes: int, p: int = 0) -> tuple[float, float]:
+    """What is worth looking at of the range that was searched for the lobes of lobe p's kind."""
     fit = material.fits[lobes]
-    low, high = fit.sigma_range
-    low = max(low, min(0.01, float(fit.sigma[0]) / 4), 1e-4)
+    low, high = sigma_limits(fit, p)
+    low = max(low, min(0.01, float(fit.sigma[same_kind(fit, p)][0]) / 4), 1e-4)
     return min(low, high / 1.01), high
 
 
-def sigma_grid(material: Material, lobes: int) -> Floats:
-    """Logarithmic, denser around the fit's lobes."""
-    low, high = sigma_span(material, lobes)
-    count = GRID_LARGE if len(material.samples) > LARGE else GRID_ONE if lobes == 1 else GRID_TWO
-    near = [found * np.geomspace(0.7, 1.4, 9) for found in material.fits[lobes].sigma]
+def sigma_grid(material: Material, lobes: int, p: int = 0) -> Floats:
+    """Logarithmic, denser around the fit's lobes of lobe p's kind."""
+    low, high = sigma_span(material, lobes, p)
+    count = min(GRID[lobes], GRID_LARGE if len(material.samples) > LARGE else GRID[lobes])
+    fit = material.fits[lobes]
+    near = [found * np.geomspace(0.7, 1.4, 9 if lobes < 3 else 5) for found in fit.sigma[same_kind(fit, p)]]
     return np.unique(np.clip(np.concatenate([np.geomspace(low, high, count), *near]), low, high))
 
 
@@ -287,25 +315,31 @@ def near_optimal(samples: Samples, options: Options, fit: Fit, boxes: Boxes, lea
         out.append((float(min([fit.sigma[p], *low])), float(max([fit.sigma[p], *high]))))
     if fit.norm == "l2" and fit.e2 > 0 and len(samples) <= LARGE:
         # The search halved no box that was already worse than the fit, even if by less than the share. Searches of a part
-        # of the range say more: if all lobes are below some sigma, so is the wider one; if above, the sharper one.
-        least, most = fit.proven_sigma or fit.sigma_range
-        first, last = out[0], out[-1]
-        out[-1] = (_shrink(samples, options, level, last[0], float(fit.sigma[-1]), lambda x: (least, x)), last[1])
-        out[0] = (out[0][0], _shrink(samples, options, level, first[1], float(fit.sigma[0]), lambda x: (x, most)))
+        # of the range say more: if all lobes are below some sigma, so is the widest one; if above, the sharpest one. A range
+        # is that of a parameter: it has to be one distribution's alone.
+        for _, same in _lobes.kinds(fit.distributions):
+            first, last = same.start, same.stop - 1
+            by = fit.parameters[first]
+            if fit.parameters.count(by) == same.stop - same.start:
+                shrink = functools.partial(_shrink, samples, options, level, by, sigma_limits(fit, first))
+                out[last] = (shrink(out[last][0], float(fit.sigma[last])), out[last][1])
+                out[first] = (out[first][0], shrink(out[first][1], float(fit.sigma[first])))
     return share, out
 
 
-def _shrink(samples: Samples, options: Options, level: float, end: float, inside: float,
-            beyond: Callable[[float], tuple[float, float]]) -> float:
-    """`end`, moved towards `inside` as far as the range beyond it is proven to hold nothing below `level`."""
+def _shrink(samples: Samples, options: Options, level: float, by: str, limits: tuple[float, float], end: float,
+            inside: float) -> float:
+    """`end`, moved towards `inside` as far as the range beyond it is proven to hold nothing below `level`. by: the parameter
+    whose range that is; limits: in terms of sigma"""
+    below = end < inside
     members = {f.name: getattr(options, f.name) for f in dataclasses.fields(options)}
     members["box_budget"] = min(options.box_budget, 10000)
     for _ in range(12):
         middle = float(np.sqrt(end * inside))
-        low, high = beyond(middle)
+        low, high = (limits[0], middle) if below else (middle, limits[1])
         if not high > low > 0:
             break
-        if options.distribution in BY_EXPONENT:  # a little more than the range, so that rounding leaves nothing out
+        if by == "exponent":  # a little more than the range, so that rounding leaves nothing out
             members["exponent_range"] = (high**-2 * (1 - 1e-12), low**-2 * (1 + 1e-12))
         else:
             members["sigma_range"] = (low, high)
@@ -320,10 +354,12 @@ def _shrink(samples: Samples, options: Options, level: float, end: float, inside
     return end
 
 
-def bound_steps(boxes: Boxes, leaves: npt.NDArray[np.bool_], low: float, high: float) -> tuple[Floats, Floats]:
-    """Edges, and the bound between each two: no model with a lobe of such a sigma (whatever the other lobe) has less."""
+def bound_steps(boxes: Boxes, leaves: npt.NDArray[np.bool_], low: float, high: float,
+                which: slice = slice(None)) -> tuple[Floats, Floats]:
+    """Edges, and the bound between each two: no model with a lobe of such a sigma (whatever the others) has less.
+    which: lobes that are looked at, all of one distribution"""
     bounds = boxes.lower_bound[leaves]
-    sides = [(boxes.sigma_low[leaves, p], boxes.sigma_high[leaves, p]) for p in range(boxes.sigma_low.shape[1])]
+    sides = [(boxes.sigma_low[leaves, p], boxes.sigma_high[leaves, p]) for p in range(boxes.sigma_low.shape[1])[which]]
     edges = np.unique(np.clip(np.concatenate([side for pair in sides for side in pair]), low, high))
     edges = np.unique(np.concatenate([[low], edges, [high]]))
     middle = np.sqrt(edges[1:] * edges[:-1])
@@ -351,22 +387,22 @@ def leaf(boxes: Boxes) -> npt.NDArray[np.bool_]:
     return out
 
 
-def second_lobe(material: Material) -> str | None:
-    """What the second lobe is worth, in words that the bounds allow."""
-    if 1 not in material.fits or 2 not in material.fits:
+def more_lobes(material: Material) -> str | None:
+    """What the lobes beside the first are worth, in words that the bounds allow."""
+    one, more = material.fits[1], material.main
+    if more.lobes == 1 or not more.lower_bound > 0:
         return None
-    one, two = material.fits[1], material.fits[2]
-    if not two.lower_bound > 0:
-        return None
-    what = _words.OBJECTIVES[two.norm]
-    most, least = one.e2 / two.lower_bound, one.lower_bound / two.e2
-    if one.e2 <= two.e2:
-        return "The second lobe is of no use: one lobe fits as well."
+    what = _words.OBJECTIVES[more.norm]
+    alone = "one lobe" if len(set(more.distributions)) == 1 else "one %s lobe" % _lobes.title(one.distributions[0])
+    others, s, they = ("The second lobe", "s", "is") if more.lobes == 2 else ("The other lobes", "", "are")
+    most, least = one.e2 / more.lower_bound, one.lower_bound / more.e2
+    if one.e2 <= more.e2:
+        return "%s %s of no use: %s fits as well." % (others, they, alone)
     if most < 1.01:
-        return "The second lobe lowers the %s by at most %s %%, proven: one is enough." % (
-            what, _words.directed(100 * (1 - 1 / most), 2, True))
+        return "%s lower%s the %s by at most %s %%, proven: one is enough." % (
+            others, s, what, _words.directed(100 * (1 - 1 / most), 2, True))
     if most < 2:
-        return "With one lobe the %s is between %s %% and %s %% larger, proven." % (
-            what, _words.directed(100 * max(least - 1, 0), 3, False), _words.directed(100 * (most - 1), 3, True))
-    return "With one lobe the %s is between %s and %s times as large, proven." % (
-        what, _words.directed(max(least, 1), 3, False), _words.directed(most, 3, True))
+        return "With %s the %s is between %s %% and %s %% larger, proven." % (
+            alone, what, _words.directed(100 * max(least - 1, 0), 3, False), _words.directed(100 * (most - 1), 3, True))
+    return "With %s the %s is between %s and %s times as large, proven." % (
+        alone, what, _words.directed(max(least, 1), 3, False), _words.directed(most, 3, True))

@@ -31,12 +31,13 @@ class Failure:
 
 def row(link: str, name: str, material: Material) -> Row:
     fit = material.main
-    values = fit.sigma if fit.exponent is None else fit.exponent
-    share = " and ".join("%.1f %%" % (100 * w) for w in fit.weight)
+    letters = [_words.parameter(fit, p) + " = " if len(set(fit.parameters)) > 1 else "" for p in range(fit.lobes)]
+    share = (" and " if fit.lobes < 3 else ", ").join("%.1f %%" % (100 * w) for w in fit.weight)
     above = "≤ %s %%" % _words.directed(100 * (fit.e2 / fit.lower_bound - 1), 2, True) if fit.lower_bound > 0 else (
         "exact to rounding" if fit.certified else "no bound yet")
     proof = "certified" if fit.certified else "open: " + fit.stop
-    return Row(link, name, [proof, ", ".join("%.4g" % v for v in values), share, "%.3g %%" % (100 * fit.rms_total), above,
+    found = ", ".join("%s%.4g" % one for one in zip(letters, fit.values))
+    return Row(link, name, [proof, found, share, "%.3g %%" % (100 * fit.rms_total), above,
                             ", ".join(warned(fit))], thumbnail(material), fit.certified)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from .. import _words
+from .. import _lobes, _words
 from .._version import __version__
 from ..fit import Fit
 from . import _analysis as analysis
@@ -48,8 +48,11 @@ def _fit(material: Material, lobes: int) -> str:
                      for rows in (_words.lobe_table(fit), _words.channel_table(fit)))
     words = "".join(_paragraph(text) for text in (
         fit.certificate, proof.near_optimal_words(material, lobes), *_words.warnings(fit)) if text)
-    return "<h2>%s with %s</h2><div class='tables'>%s</div><div class='certificate%s'>%s</div>" % (
-        html.escape(_words.TITLES[fit.distribution]), _words.lobes_word(fit), tables, "" if fit.certified else " open", words)
+    head = _lobes.each(fit.distributions)
+    if len(set(fit.distributions)) == 1:
+        head = "%s with %s" % (_lobes.title(fit.distributions[0]), _lobes.count_word(lobes))
+    return "<h2>%s</h2><div class='tables'>%s</div><div class='certificate%s'>%s</div>" % (
+        html.escape(head[0].upper() + head[1:]), tables, "" if fit.certified else " open", words)
 
 
 def _pairs(views: Iterable[tuple[str, str, str]]) -> str:
@@ -81,14 +84,14 @@ def _views(material: Material) -> str:
 def _proof(material: Material) -> str:
     name = _words.OBJECTIVES[material.main.norm]
     parts = ["<h2>The proof</h2>"]
-    extra = analysis.second_lobe(material)
+    extra = analysis.more_lobes(material)
     if extra is not None:
         parts.append(_paragraph(extra))
     curve = "<span class='key exact'>smallest %s with a lobe of that roughness, by plain least squares</span>" % name
     parts.append("<p class='legend'>%s<span class='key bound'>proven: no model is below</span>"
                  "<span class='key near square'>near-optimal, proven</span>"
                  "<span class='key c0'>the fit</span></p>" % (curve if material.main.norm == "l2" else ""))
-    figures = [proof.profile(material, lobes) for lobes in sorted(material.fits)]
+    figures = [figure for lobes in sorted(material.fits) for figure in proof.profiles(material, lobes)]
     if 2 in material.boxes:
         figures.append(proof.box_map(material))
     return "".join(parts) + _grid(figures)
@@ -158,7 +161,7 @@ def _source(material: Material) -> str:
 def material_page(material: Material, index: str | None) -> str:
     top = "" if index is None else "<p class='noprint'><a href='%s'>All materials</a></p>" % html.escape(index, quote=True)
     order = sorted(material.fits, reverse=True)
-    if order[0] != material.options.lobes:
+    if order[0] != material.options.lobe_count:
         order.reverse()
     head = "<h1>%s %s</h1><p class='soft'>%s</p>" % (
         html.escape(material.name), _badge(material), html.escape(_source(material)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from .. import _words
+from .. import _lobes, _words
 from .._arrays import Floats
 from ..boxes import Boxes
 from ..fit import Fit
@@ -19,21 +19,22 @@ Figure = tuple[str, str]
 # ---- Roughness in the distribution's own terms ---------------------------------
 
 
-def _axis(fit: Fit, low: float, high: float) -> Axis:
-    if fit.exponent is None:
+def _axis(fit: Fit, p: int, low: float, high: float) -> Axis:
+    if fit.parameters[p] == "sigma":
         return Axis(low, high, True)
     return Axis(low, high, True, lambda sigma: sigma**-2, lambda n: n**-0.5)
 
 
-def _title(fit: Fit) -> str:
-    return "roughness σ" if fit.exponent is None else "exponent n (σ = 1/√n)"
+def _title(fit: Fit, p: int) -> str:
+    of = "" if len(set(fit.distributions)) == 1 else ", " + _lobes.title(fit.distributions[p])
+    return ("roughness σ" if fit.parameters[p] == "sigma" else "exponent n (σ = 1/√n)") + of
 
 
-def interval(fit: Fit, low: float, high: float) -> str:
-    """Of sigma; rounded outwards, so that what is said stays true. Ends of the range searched say nothing."""
-    name, (least, most) = _words.parameter(fit), fit.proven_sigma or fit.sigma_range
+def interval(fit: Fit, p: int, low: float, high: float) -> str:
+    """Of lobe p's sigma; rounded outwards, so that what is said stays true. Ends of the range searched say nothing."""
+    name, (least, most) = _words.parameter(fit, p), analysis.sigma_limits(fit, p)
     below, above = low > least * (1 + 1e-9), high < most * (1 - 1e-9)
-    if fit.exponent is not None:
+    if fit.parameters[p] == "exponent":
         low, high, below, above = high**-2, low**-2, above, below
     first, last = _words.directed(low, 4, False), _words.directed(high, 4, True)
     if below and above:
@@ -46,15 +47,15 @@ def near_optimal_words(material: Material, lobes: int) -> str:
     if not fit.e2 > 0:
         return ""
     share, intervals = material.near[lobes]
-    found = [interval(fit, *pair) for pair in intervals]
+    found = [interval(fit, p, *pair) for p, pair in enumerate(intervals)]
     what = _words.OBJECTIVES[fit.norm]
     if all(words.startswith("any ") for words in found):
         return "Of the roughness of models whose %s is within %.3g %% of the optimum, the search proved nothing." % (
             what, 100 * share)
-    which = found if lobes == 1 else ["%s in its %s lobe" % (w, side) for w, side in zip(found, ("sharper", "wider"))]
+    which = found if lobes == 1 else ["%s in its %s" % pair for pair in zip(found, _lobes.each_lobe(fit.distributions))]
     among = "a model" if not _words.is_cut(fit) else "among the models that the proof is about, one"
     return "Proven: %s whose %s is within %.3g %% of the optimum has %s." % (
-        among, what, 100 * share, " and ".join(which))
+        among, what, 100 * share, " and ".join([", ".join(which[:-1]), which[-1]] if lobes > 1 else which))
 
 
 _SHORT = {"unresolved": "lobe %d not resolved", "flat": "lobe %d: roughness not determined", "unused": "lobe %d unused",
@@ -70,29 +71,39 @@ def warned(fit: Fit) -> list[str]:
 # ---- Profile -------------------------------------------------------------------
 
 
-def profile(material: Material, lobes: int) -> Figure:
-    """Smallest E^2 over one roughness, above the bound that the search proved."""
-    fit, boxes = material.fits[lobes], material.boxes[lobes]
-    sigma = analysis.sigma_grid(material, lobes)
-    curve = analysis.objective(material, sigma, lobes)
-    if curve is not None and lobes == 2:
-        curve = curve.min(axis=1)
-    edges, bound = analysis.bound_steps(boxes, material.leaves[lobes], float(sigma[0]), float(sigma[-1]))
+def profiles(material: Material, lobes: int) -> list[Figure]:
+    """Smallest E^2 over one roughness, above the bound that the search proved: a figure for each distribution."""
+    fit = material.fits[lobes]
+    grids: list[Floats] = []
+    for _, same in _lobes.kinds(fit.distributions):
+        grids += [analysis.sigma_grid(material, lobes, same.start)] * (same.stop - same.start)
+    curve = analysis.objective(material, grids, lobes)
+    return [_profile(material, lobes, same, grids[same.start], None if curve is None else np.asarray(curve.min(axis=tuple(
+        p for p in range(lobes) if p != same.start)))) for _, same in _lobes.kinds(fit.distributions)]
+
+
+def _profile(material: Material, lobes: int, same: slice, sigma: Floats, curve: Floats | None) -> Figure:
+    fit, boxes, first = material.fits[lobes], material.boxes[lobes], same.start
+    edges, bound = analysis.bound_steps(boxes, material.leaves[lobes], float(sigma[0]), float(sigma[-1]), same)
     top = float(np.max(curve if curve is not None else bound)) or 1.0
     low = min([v for v in (fit.e2, top) if v > 0], default=0.1) / 2
     name = _words.OBJECTIVES[fit.norm]
-    plot = Plot(_axis(fit, float(sigma[0]), float(sigma[-1])), Axis(low, max(top, low * 4) * 1.2, True), _title(fit), name,
-                "Profile of %s over roughness with the certified lower bound, %s" % (name, _words.lobes_word(fit)))
+    family = _lobes.count_word(lobes) if len(set(fit.distributions)) == 1 else _lobes.each(fit.distributions)
+    plot = Plot(_axis(fit, first, float(sigma[0]), float(sigma[-1])), Axis(low, max(top, low * 4) * 1.2, True),
+                _title(fit, first), name, "Profile of %s over roughness with the certified lower bound, %s" % (name, family))
     if fit.e2 > 0:
-        for a, b in material.near[lobes][1]:
+        for a, b in material.near[lobes][1][same]:
             plot.band(a, b, "near")
     plot.line(np.repeat(edges, 2)[1:-1], np.maximum(np.repeat(bound, 2), low / 2), "line bound")
     if curve is not None:
         plot.line(sigma, curve, "line exact")
-    plot.dots(fit.sigma, np.full(fit.lobes, fit.e2), "best", 3.2)
-    words = _words.lobes_word(fit)
-    if lobes == 2:
-        words += ": over the %s of one, whatever that of the other" % _words.parameter(fit)
+    plot.dots(fit.sigma[same], np.full(same.stop - first, fit.e2), "best", 3.2)
+    words = family
+    if lobes > 1:
+        alone = same.stop - first == 1
+        words += ": over the %s of %s, whatever that of the other%s" % (
+            _words.parameter(fit, first), "one" if same.stop - first == lobes else "%s %s lobe" % (
+                "the" if alone else "one", _lobes.title(fit.distributions[first])), "" if lobes == 2 else "s")
     if bound.min() < low:
         words += "; where no bound is seen, it is below the frame"
     return plot.svg(), words + ". " + near_optimal_words(material, lobes)
@@ -109,36 +120,39 @@ def _raster(boxes: Boxes, first: Floats, second: Floats) -> Floats:
         j = slice(int(np.searchsorted(second, l2)), int(np.searchsorted(second, h2, "right")))
         tile = out[i, j]
         np.maximum(tile, bound, out=tile)
-    return np.asarray(np.maximum(out, out.T))
+    return out
 
 
 _RAMP = np.array([[253, 231, 37], [94, 201, 98], [33, 145, 140], [59, 82, 139], [68, 1, 84]], float)
 
 
 def box_map(material: Material) -> Figure:
-    """The (sigma_1, sigma_2) plane as the search saw it."""
+    """The (sigma_1, sigma_2) plane as the search saw it: of lobes of one distribution, its half."""
     fit, boxes = material.fits[2], material.boxes[2]
+    alike = len(set(fit.distributions)) == 1
     height = WIDTH - LEFT - RIGHT + TOP + BOTTOM  # square
     size = 480
-    edge = np.geomspace(*analysis.sigma_span(material, 2), size + 1)
-    middle = np.sqrt(edge[1:] * edge[:-1])
-    bound = _raster(boxes, middle, middle)
+    edges = [np.geomspace(*analysis.sigma_span(material, 2, p), size + 1) for p in range(2)]
+    bound = _raster(boxes, *(np.sqrt(edge[1:] * edge[:-1]) for edge in edges))
+    if alike:
+        bound = np.maximum(bound, bound.T)
     level = np.log10(np.maximum(bound, fit.e2 * 1e-6) / fit.e2) if fit.e2 > 0 else np.zeros_like(bound)
     top = max(float(np.quantile(level, 0.98)), 0.05)
     colour = _ramp(np.clip(level / top, 0, 1) ** 0.5)
     # Rows of a picture go down, sigma_2 goes up; only the half sigma_1 <= sigma_2 was searched.
     image = np.concatenate([colour, np.full((size, size, 1), 255.0)], -1).transpose(1, 0, 2)[::-1].copy()
     i, j = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
-    image[..., 3][(j > size - 1 - i)] = 0
-    axis_x, axis_y = (_axis(fit, float(edge[0]), float(edge[-1])) for _ in range(2))
-    name = "σ" if fit.exponent is None else "n"
-    plot = Plot(axis_x, axis_y, "%s of the sharper lobe" % name, "%s of the wider lobe" % name,
-                "Map of the boxes that the search visited", height)
+    if alike:
+        image[..., 3][(j > size - 1 - i)] = 0
+    axis_x, axis_y = (_axis(fit, p, float(edge[0]), float(edge[-1])) for p, edge in enumerate(edges))
+    titles = ["%s of the %s" % (_words.parameter(fit, p), lobe) for p, lobe in enumerate(_lobes.each_lobe(fit.distributions))]
+    plot = Plot(axis_x, axis_y, titles[0], titles[1], "Map of the boxes that the search visited", height)
     plot.raw(_image(image, LEFT, TOP, WIDTH - LEFT - RIGHT, height - TOP - BOTTOM))
-    plot.raw("<clipPath id='half'><path d='M%s %sV%sH%sZ'/></clipPath><path class='boxes' clip-path='url(#half)' d='%s'/>" % (
-        number(LEFT), number(height - BOTTOM), number(TOP), number(WIDTH - RIGHT), _outlines(boxes, axis_x, axis_y)))
+    half = "Z" if alike else "V%sZ" % number(height - BOTTOM)
+    plot.raw("<clipPath id='half'><path d='M%s %sV%sH%s%s'/></clipPath><path class='boxes' clip-path='url(#half)' d='%s'/>" % (
+        number(LEFT), number(height - BOTTOM), number(TOP), number(WIDTH - RIGHT), half, _outlines(boxes, axis_x, axis_y)))
     plot.dots(fit.sigma[:1], fit.sigma[1:], "best", 3.2)
-    plot.raw(_scale(height, 10**top))
+    plot.raw(_scale(height, 10**top, alike))
     seen = _visible(boxes, axis_x, axis_y)
     some = "" if seen.all() else ", of which %s are wide enough to be outlined" % format(int(seen.sum()), ",")
     caption = ("All %s boxes of the search%s. The colour is what was proven of a box: the darker, the further every model in it "
@@ -159,11 +173,13 @@ def _ramp(part: Floats) -> Floats:
     return np.asarray(_RAMP[at] + (_RAMP[at + 1] - _RAMP[at]) * (place - at)[..., None])
 
 
-def _scale(height: float, most: float) -> str:
-    """In the corner that the search leaves free: there the first lobe would be the wider one."""
+def _scale(height: float, most: float, free: bool) -> str:
+    """In the corner that the search leaves free: there the first lobe would be the wider one. Or on a ground of its own."""
     width, y = 116.0, height - BOTTOM - 34
     x = WIDTH - RIGHT - 10 - width
-    return _image(_ramp(np.linspace(0, 1, 64)[None, :]), x, y, width, 9) + (
+    ground = "" if free else "<rect class='ground' x='%s' y='%s' width='%s' height='50'/>" % (
+        number(x - 6), number(y - 20), number(width + 12))
+    return ground + _image(_ramp(np.linspace(0, 1, 64)[None, :]), x, y, width, 9) + (
         "<text x='%s' y='%s' text-anchor='end'>proven of any model</text><text x='%s' y='%s'>as the fit</text>"
         "<text x='%s' y='%s' text-anchor='end'>%s ×</text>" % (
             number(x + width), number(y - 5), number(x), number(y + 21), number(x + width), number(y + 21),

@@ -39,7 +39,7 @@ svg .grid{display:inline;stroke:var(--line);stroke-width:.6;fill:none}
 .c0{stroke:var(--c0);color:var(--c0)}.c1{stroke:var(--c1);color:var(--c1)}.c2{stroke:var(--c2);color:var(--c2)}
 .c3{stroke:var(--c3);color:var(--c3)}.bound{stroke:var(--bound);color:var(--bound)}.exact{stroke:var(--ink);color:var(--ink)}.dash{stroke-dasharray:4 3}
 .key.near{color:#d4a72c}.key.square::before{border-radius:0}
-.best{stroke:var(--c0);stroke-opacity:1}.near{fill:var(--near)}.boxes{fill:none;stroke:#fff;stroke-opacity:.45;stroke-width:.35}
+.best{stroke:var(--c0);stroke-opacity:1}.near{fill:var(--near)}.ground{fill:var(--card);fill-opacity:.85}.boxes{fill:none;stroke:#fff;stroke-opacity:.45;stroke-width:.35}
 @media (max-width:480px){table{font-size:.73rem}th,td{padding-right:4px}th:last-child,td:last-child{padding-right:0}table.index .less{display:none}
 table.index .each span{display:block}}
 @page{margin:14mm}
