@@ -67,7 +67,7 @@ static void clear(struct brdffit_sums *s)
 
     memset(s->slot, 0, s->slots * sizeof *s->slot);
     memset(s->errors, 0, s->capacity * sizeof *s->errors);
-    s->hidden_c = INFINITY;
+    s->hidden_c = s->any_c = INFINITY;
     memset(s->largest, 0, s->channels * sizeof *s->largest);
     memset(s->magnitude, 0, s->channels * sizeof *s->magnitude);
     s->totals.high = s->totals_memory;
@@ -194,7 +194,7 @@ static void add_to_group(struct brdffit_sums *s, struct sums_pair *product, cons
     }
 }
 
-/* What a sample without a lobe may hide (charge.c): only where some value is positive. */
+/* What a sample without a lobe may hide (charge.c). */
 static void note_hidden(struct brdffit_sums *s, const struct geometry *g, double w, const double *value,
                         double to_radiance)
 {
@@ -206,6 +206,10 @@ static void note_hidden(struct brdffit_sums *s, const struct geometry *g, double
 
         positive = positive || radiance > 0.0;
         s->hidden_data += w * (radiance > 0.0 ? 1.0 : 0.0); /* at most the channel's scale each */
+    }
+    if (g->b_hidden > 0.0) {
+        s->any_hidden += w * g->b_hidden * g->b_hidden;
+        s->any_c = fmin(s->any_c, g->c_hidden);
     }
     if (positive) {
         s->hidden += w * g->b_hidden * g->b_hidden;

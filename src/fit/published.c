@@ -15,8 +15,8 @@
  *
  * and by what triangles did to it, so that a channel's |r| is off by at most |d| in the same norm (Minkowski), and
  * E^2 = sum |r|^2 by at most sum 2 |r| |d| + |d|^2. Sums of norms l1 and linf are compensated, their own rounding is within
- * TOL_PUBLISHED; of l2, d is taken by norms. What the rounding of directions does to the model is added as a box of this one point is charged
- * for it (charge.h).
+ * TOL_PUBLISHED; of l2, d is taken by norms. What samples may hide of a lobe (charge.h) is added.
+ *
  */
 #include "fit/published.h"
 
@@ -249,18 +249,16 @@ double brdffit_fit_triangle_error(const struct reduced *r)
            (double)((REDUCE_BLOCK + width) * width);
 }
 
-/* What the rounding of geometry makes of the objective. */
-static double geometry_error(const struct fit *f, const struct scales *v, double objective)
+/* What hidden lobes make of the objective. */
+static double hidden_error(const struct fit *f, const struct scales *v, double objective)
 {
     double theta[BRDFFIT_MAX_LOBES], error;
-    struct doubt doubt;
     int p;
 
     for (p = 0; p < f->model.lobes; p++) {
         theta[p] = kernel_log(v->s[p].high);
     }
-    doubt = brdffit_charge_box(&f->data, &f->model, theta, theta);
-    error = (doubt.error + doubt.hidden) * f->data.table[0].charge.root;
+    error = brdffit_charge_point(&f->data, &f->model, theta);
     return !(error > 0.0) ? 0.0 : f->norm == BRDFFIT_NORM_L2 ? (2.0 * sqrt(objective) + error) * error : error;
 }
 
@@ -287,7 +285,7 @@ struct published brdffit_fit_publish(struct fit *f, const double *sigma)
                     f->data.channel_scale[k];
     }
     out.error += f->rows_error * f->data.total + 4.0 * (double)f->data.channels * TOL_UNIT * out.objective;
-    out.error += geometry_error(f, &v, out.objective);
+    out.error += hidden_error(f, &v, out.objective);
     return out;
 }
 
