@@ -18,7 +18,7 @@
 
 #define NNLS_COLUMNS 7
 /* Up to so many columns every support is factored once, and tried. */
-#define NNLS_CLOSED 3
+#define NNLS_CLOSED 4
 
 /* One support's little least squares: orthonormal basis of its columns of R. */
 struct nnls_support {
