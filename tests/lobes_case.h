@@ -18,6 +18,7 @@
 #include <cmocka.h>
 #include <math.h>
 
+#include "base/tolerance.h"
 #include "fit/fit.h"
 #include "model/geometry.h"
 #include "nnls_case.h"

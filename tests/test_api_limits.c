@@ -29,7 +29,12 @@ static void test_eval_of_extremes(void **state)
     at.cos_light = at.cos_view = at.cos_difference = cosines;
     for (d = 0; d < BRDFFIT_DISTRIBUTION_COUNT; d++) {
         for (i = 0; i < sizeof sigma / sizeof sigma[0]; i++) {
-            brdffit_model model = {.distribution = (brdffit_distribution)d, .lobes = 1, .channels = 1, .sigma = {sigma[i]}, .x = x, .y = y};
+            brdffit_model model = {.distribution = (brdffit_distribution)d,
+                                   .lobes = 1,
+                                   .channels = 1,
+                                   .sigma = {sigma[i]},
+                                   .x = x,
+                                   .y = y};
 
             for (j = 0; j < sizeof tan2 / sizeof tan2[0]; j++) {
                 double out = 0.0;

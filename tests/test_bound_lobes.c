@@ -127,16 +127,18 @@ static void test_no_point_below_its_bound(void **state)
         }
         lc_close(&m);
     }
-    print_message("%ld points in %ld boxes of %ld problems; like lobes %ld, %ld, %ld, mixed %ld, %ld; %ld bounds positive, "
-                  "%ld within 10 %% of the least objective met; %ld shared sides\n",
-                  all_points(&tally), tally.boxes, tally.problems, tally.points[0][0], tally.points[1][0],
-                  tally.points[2][0], tally.points[1][1], tally.points[2][1], tally.positive, tally.tight, tally.shared);
+    print_message(
+        "%ld points in %ld boxes of %ld problems; like lobes %ld, %ld, %ld, mixed %ld, %ld; %ld bounds positive, "
+        "%ld within 10 %% of the least objective met; %ld shared sides\n",
+        all_points(&tally), tally.boxes, tally.problems, tally.points[0][0], tally.points[1][0], tally.points[2][0],
+        tally.points[1][1], tally.points[2][1], tally.positive, tally.tight, tally.shared);
     /* Enough of everything, and an engine that never says anything would pass. */
     for (i = 0; i < BRDFFIT_DISTRIBUTION_COUNT; i++) {
         assert_true(tally.kind[i] > tally.problems / 20);
     }
     assert_true(tally.points[2][0] > POINTS / 10 && tally.points[2][1] > POINTS / 10);
-    assert_true(tally.points[1][0] > POINTS / 20 && tally.points[1][1] > POINTS / 10 && tally.points[0][0] > POINTS / 20);
+    assert_true(tally.points[1][0] > POINTS / 20 && tally.points[1][1] > POINTS / 10 &&
+                tally.points[0][0] > POINTS / 20);
     assert_true(tally.positive > tally.boxes / 2 && tally.tight > tally.boxes / 5);
 }
 
@@ -189,9 +191,9 @@ static void test_first_incumbent(void **state)
             said = brdffit_bound_moment_first(&m.fit.moment, &met);
             check_met(&m, said, &met, &none);
             best = best_node(&m);
-            assert_true((long double)said <= best + 4.0L * m.fit.moment.moments.slack +
-                                                 (2.0L * n + n * (n - 1.0L)) * 2.0L * largest_epsilon(&m.fit) *
-                                                     m.fit.data.total);
+            assert_true((long double)said <=
+                        best + 4.0L * m.fit.moment.moments.slack +
+                            (2.0L * n + n * (n - 1.0L)) * 2.0L * largest_epsilon(&m.fit) * m.fit.data.total);
             for (p = 1; p < m.lobes; p++) {
                 assert_true(p == m.fit.model.lobe[p].first || met.theta[p - 1] <= met.theta[p]);
             }

@@ -20,8 +20,7 @@ struct tally {
 
 static double bound_of(struct fit *f, struct box *box, struct point *met)
 {
-    return f->norm == BRDFFIT_NORM_L2 ? brdffit_bound_socp(&f->socp, box, met)
-                                      : brdffit_bound_lp(&f->linear, box, met);
+    return f->norm == BRDFFIT_NORM_L2 ? brdffit_bound_socp(&f->socp, box, met) : brdffit_bound_lp(&f->linear, box, met);
 }
 
 /* The objective of l1 or linf at the library's coefficients: columns in long double. */
@@ -147,9 +146,10 @@ static void attack_norm(brdffit_norm norm)
         }
         lc_close(&m);
     }
-    print_message("%s: %ld, %ld, %ld points for 1, 2, 3 lobes (%ld of mixed ones) in %ld boxes; %ld bounds positive, %ld "
-                  "within 10 %% of the least objective met\n",
-                  brdffit_norm_string(norm), t.points[0], t.points[1], t.points[2], t.mixed, t.boxes, t.positive, t.tight);
+    print_message(
+        "%s: %ld, %ld, %ld points for 1, 2, 3 lobes (%ld of mixed ones) in %ld boxes; %ld bounds positive, %ld "
+        "within 10 %% of the least objective met\n",
+        brdffit_norm_string(norm), t.points[0], t.points[1], t.points[2], t.mixed, t.boxes, t.positive, t.tight);
     assert_true(t.points[1] > POINTS / 5 && t.points[2] > POINTS / 5 && t.mixed > POINTS / 5);
     assert_true(t.positive > t.boxes / 3 && t.tight > t.boxes / 8);
 }

@@ -190,7 +190,8 @@ static void test_eval(void **state)
     {
         for (i = 0; i < 2000; i++) {
             double light[3], view[3], x = 0.2, y = 1.5, out, parameter = brdffit_test_log_uniform(&random, 0.03, 3.0);
-            brdffit_model model = {.distribution = distribution, .lobes = 1, .channels = 1, .sigma = {parameter}, .x = &x, .y = &y};
+            brdffit_model model = {
+                .distribution = distribution, .lobes = 1, .channels = 1, .sigma = {parameter}, .x = &x, .y = &y};
             brdffit_samples at;
             long double lobe, exact, length;
 

@@ -330,8 +330,8 @@ static void draw_numbers(double *gain, int sides, uint64_t *s)
     int kind = (int)(case_next(s) % 5);
 
     for (i = 0; i < GAINS((unsigned)sides); i++) {
-        gain[i] = size * (kind == 0   ? case_uniform(s)
-                          : kind == 1 ? level + rise * case_uniform(s)
+        gain[i] = size * (kind == 0                                       ? case_uniform(s)
+                          : kind == 1                                     ? level + rise * case_uniform(s)
                           : kind == 2 && i >= corners && case_next(s) % 2 ? gain[i % corners] / size
                           : kind == 3 ? level * (double)(case_next(s) % 3)
                                       : 1e6 * case_uniform(s) * (double)(case_next(s) % 2));
