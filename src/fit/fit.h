@@ -44,6 +44,7 @@ struct fit {
     struct varpro varpro;
     brdffit_norm norm;
     struct domain domain[KINDS_MOST];
+    struct lobe_kind vanished[KINDS_MOST]; /* in the model's place of kinds of which no lobe has a finite y */
     double *x, *y, *rms; /* K, K x P, K: the result's arrays */
     struct observer observer;
 };
