@@ -41,7 +41,7 @@ static void test_tail(void **state)
             for (p = 0; p < m.lobes; p++) {
                 const struct domain *d = fit_domain(&m.fit, p);
 
-                for (i = 0; i < 6 && d->high < d->flat; i++) {
+                for (i = 0; i < 6 && d->high < d->flat && !m.vanished[p]; i++) {
                     double r = case_uniform(&s), theta = i ? d->high + r * r * r * (d->flat - d->high) : d->flat;
                     long double off = distance(&m, p, theta, d->high);
 
@@ -61,10 +61,48 @@ static void test_tail(void **state)
     assert_true(cut > 3000 && cut_mixed > 300);
 }
 
+/*
+ * c_min so large that no exponential lobe of the range has a finite coefficient, while GGX has: Beckmann and GGX share
+ * their sums, but not that fate. A list is never worse than one of its lobes alone.
+ */
+static void test_vanished_kind(void **state)
+{
+    static const brdffit_distribution list[2][2] = {{BRDFFIT_BECKMANN, BRDFFIT_GGX}, {BRDFFIT_GGX, BRDFFIT_BECKMANN}};
+    static double a[12], b[12], c[12], values[12];
+    brdffit_samples samples = brdffit_test_coefficients(12, 1, a, b, c, values);
+    brdffit_result *alone, *both;
+    brdffit_options options;
+    size_t i;
+    int order;
+
+    (void)state;
+    for (i = 0; i < 12; i++) {
+        a[i] = 0.1 + 0.01 * (double)i;
+        b[i] = 1.0 + 0.3 * (double)(i % 5);
+        c[i] = 1e6 * (1.0 + (double)i);
+        values[i] = 0.2 * a[i] + b[i] * pow(1.0 + 0.1 * c[i], -2.0) * 1e11;
+    }
+    brdffit_options_init(&options);
+    options.distribution = BRDFFIT_GGX;
+    assert_int_equal(brdffit_fit_new(&samples, &options, &alone, NULL), BRDFFIT_OK);
+    options.lobes = 2;
+    for (order = 0; order < 2; order++) {
+        options.distributions = list[order];
+        assert_int_equal(brdffit_fit_new(&samples, &options, &both, NULL), BRDFFIT_OK);
+        if (!(both->lower_bound <= alone->e2 * (1.0 + 1e-9) + 1e-20 * alone->sum_of_squares)) {
+            fail_msg("lower bound %g, but GGX alone has %g (sum of squares %g)", both->lower_bound, alone->e2,
+                     alone->sum_of_squares);
+        }
+        brdffit_fit_free(both);
+    }
+    brdffit_fit_free(alone);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tail),
+        cmocka_unit_test(test_vanished_kind),
     };
 
     return cmocka_run_group_tests_name("domain_lobes", tests, NULL, NULL);

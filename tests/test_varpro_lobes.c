@@ -107,13 +107,40 @@ static void differences(const struct lobes_case *m, const struct point *at, int 
     }
 }
 
+/* Which coefficients are used, of all channels. */
+static unsigned long supports_at(struct lobes_case *m, struct point at, int p, double up)
+{
+    struct varpro_value value;
+    unsigned long supports = 0;
+    size_t k;
+
+    at.theta[p] += up;
+    brdffit_varpro_evaluate(&m->fit.varpro, &at, 0, &value);
+    for (k = 0; k < m->channels; k++) {
+        supports = supports * (1u << LC_COLUMNS) + m->fit.varpro.answer[k].support;
+    }
+    return supports;
+}
+
+/* Whether they are the same on both sides, a few steps away: where one changes, second derivatives jump. */
+static int same_supports(struct lobes_case *m, const struct point *at, double reach)
+{
+    unsigned long here = supports_at(m, *at, 0, 0.0);
+    int p, same = 1;
+
+    for (p = 0; p < m->lobes; p++) {
+        same = same && supports_at(m, *at, p, reach) == here && supports_at(m, *at, p, -reach) == here;
+    }
+    return same;
+}
+
 /* Where two steps agree, supports are stable, and derivatives are what the differences say. Returns whether they do. */
 static int check_derivatives(struct lobes_case *m, const struct point *at)
 {
     const double h = 1e-3;
     long double total = m->fit.data.total;
     struct varpro_value value;
-    int p, q, steady = 1;
+    int p, q, steady = same_supports(m, at, 8.0 * h);
 
     brdffit_varpro_evaluate(&m->fit.varpro, at, 1, &value);
     for (p = 0; p < m->lobes && steady; p++) {
