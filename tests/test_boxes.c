@@ -82,8 +82,6 @@ static void check_points(const struct seen *seen, const brdffit_samples *samples
     memset(&p, 0, sizeof p);
     p.samples = samples;
     p.options = o;
-    p.ggx = o->distribution == BRDFFIT_GGX;
-    p.lobes = o->lobes;
     p.floor = result->sigma_floor;
     verify_classify(&p);
     verify_rows(&p, result->channel_scale);
