@@ -7,6 +7,9 @@
 
 #include "solve/nnls.h"
 
+/* Factor every support that is kept: those of few columns. */
+void brdffit_nnls_factor_supports(struct nnls *nnls);
+
 /* One entry a column of the support into z; returns the squared norm of what is left of t. */
 double brdffit_nnls_support_solve(const struct nnls_support *support, const double *t, int columns, double *z);
 
