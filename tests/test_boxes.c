@@ -85,6 +85,7 @@ static void check_points(const struct seen *seen, const brdffit_samples *samples
     p.floor = result->sigma_floor;
     verify_classify(&p);
     verify_rows(&p, result->channel_scale);
+    verify_floors(&p);
     for (i = 0; i < POINTS; i++) {
         double low = i % 2 ? 1e-3 : result->sigma_floor, near = i % 4 == 3 ? 1e-3 : 0.0;
         double x = brdffit_test_log_uniform(&random, low, o->sigma_max);

@@ -177,7 +177,7 @@ static int check_kkt(struct verdict *v)
                 }
                 gradient += residual * v->column[j][i];
             }
-            if (j > 0 && v->sigma[j - 1] < verify_smallest_sigma(p)) {
+            if (j > 0 && v->sigma[j - 1] < p->lobe[j - 1].floor) {
                 continue;
             }
             if (length > 0.0L && !((z[j] > 0.0L ? fabsl(gradient) : gradient) <= allowed * length)) {
@@ -233,7 +233,7 @@ static int check_bound(struct verdict *v, size_t attacks, unsigned long long see
     for (j = 0; j < v->problem.lobes; j++) {
         attack.sigma[j] = 1.0L;
         attack.high[j] = v->problem.lobe[j].high;
-        attack.low[j] = fmaxl(v->problem.lobe[j].low, verify_smallest_sigma(&v->problem));
+        attack.low[j] = fmaxl(v->problem.lobe[j].low, v->problem.floor);
         if (!(attack.low[j] <= attack.high[j])) { /* no lobe has a finite y: only the diffuse term is left */
             attack.low[j] = attack.high[j];
         }
@@ -285,6 +285,7 @@ static int check_all(struct verdict *v, size_t attacks, unsigned long long seed)
         return 1;
     }
     verify_rows(p, v->result->channel_scale);
+    verify_floors(p);
     v->claimed = ref_allocate(channels * (3 + lobes) + BRDFFIT_MAX_LOBES * p->used, sizeof *v->claimed);
     v->rss = v->claimed + channels * (1 + lobes);
     v->delta = v->rss + channels;

@@ -161,7 +161,7 @@ static inline int check_lobes(struct verdict *v)
         if (!(fabsl(lobe->weight - weight) <= 1e-14L)) {
             return wrong(v, "lobe %d: weight %.17g, should be %.17Lg", j, lobe->weight, weight);
         }
-        if (v->sigma[j] >= verify_smallest_sigma(&v->problem) && !near(lobe->effective_samples, effective, error)) {
+        if (v->sigma[j] >= v->problem.lobe[j].floor && !near(lobe->effective_samples, effective, error)) {
             return wrong(v, "lobe %d: %.17g effective samples, should be %.17Lg", j, lobe->effective_samples,
                          effective);
         }

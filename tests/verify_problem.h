@@ -23,6 +23,7 @@ struct verify_view {
     int first; /* lobe of this distribution */
     int ggx;
     double low, high;             /* the options' range of sigma */
+    long double floor;            /* below, it has no finite y: see verify_floors() */
     long double c_min;
     struct verify_sample *sample; /* of each row */
     struct ref_rows rows, basis;  /* a and data are the problem's */
@@ -221,10 +222,23 @@ static inline int verify_floor_is_due(const struct verify_problem *p)
     return due;
 }
 
-/* Smallest roughness of the model. */
-static inline long double verify_smallest_sigma(const struct verify_problem *p)
+/*
+ * Smallest roughness of each lobe: sigma_floor, which is one number for all of them. Lobes of other distributions than the
+ * one that it is due to may be narrower.
+ */
+static inline void verify_floors(struct verify_problem *p)
 {
-    return p->floor;
+    int j, one = 1;
+
+    for (j = 0; j < p->lobes; j++) {
+        one = one && p->lobe[j].distribution == p->lobe[0].distribution;
+    }
+    for (j = 0; j < p->lobes; j++) {
+        struct verify_problem at = *p;
+
+        at.floor = fminl(p->floor, p->lobe[j].high);
+        p->lobe[j].floor = one || verify_floor_is_due_to(&at, &p->lobe[j]) ? p->floor : p->lobe[j].low;
+    }
 }
 
 /* Unit lobes on some rows; zero where the lobe has no finite y. */
@@ -235,7 +249,7 @@ static inline void verify_lobes(struct verify_problem *p, int in_basis, const lo
     for (j = 0; j < p->lobes; j++) {
         const struct ref_rows *rows = in_basis ? &p->lobe[j].basis : &p->lobe[j].rows;
 
-        if (sigma[j] >= verify_smallest_sigma(p)) {
+        if (sigma[j] >= p->lobe[j].floor) {
             ref_lobe(rows, p->lobe[j].ggx, sigma[j], p->column[j]);
         } else {
             memset(p->column[j], 0, rows->count * sizeof *p->column[j]);
