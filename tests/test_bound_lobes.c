@@ -139,7 +139,7 @@ static void test_no_point_below_its_bound(void **state)
     assert_true(tally.points[2][0] > POINTS / 10 && tally.points[2][1] > POINTS / 10);
     assert_true(tally.points[1][0] > POINTS / 20 && tally.points[1][1] > POINTS / 10 &&
                 tally.points[0][0] > POINTS / 20);
-    assert_true(tally.positive > tally.boxes / 2 && tally.tight > tally.boxes / 5);
+    assert_true(tally.positive > tally.boxes / 3 && tally.tight > tally.boxes / 5);
 }
 
 /* ---- The first incumbent ------------------------------------------------------------------------------------ */
