@@ -1,5 +1,5 @@
 /*
- * R(t, M) of up to seven columns in long double, by trying every support: shared by test_gains.c and test_gain.c's heirs.
+ * R(t, M) of up to seven columns in long double, by trying every support.
  * SPDX-License-Identifier: MIT
  */
 #ifndef GAIN_REFERENCE_H
