@@ -363,7 +363,8 @@ typedef struct brdffit_result {
                                     minimised */
     double e2;                   /* E^2 of `model` as it is published, sigma, x and y in doubles, on the samples */
     double e2_error;             /* how far e2 may be from that, proven: by rounding (some 1e-14 sqrt(e2
-                                    sum_of_squares)), by Lafortune lobes where r.v may be 0, and by what brdffit_fit_sums() does not know */
+                                    sum_of_squares)), by Lafortune lobes where r.v may be 0,
+                                    and by what brdffit_fit_sums() does not know */
     double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
     double gap;                  /* e2 - lower_bound, >= 0 */
     double sum_of_squares;       /* E^2 of the zero model */

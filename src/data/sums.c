@@ -113,32 +113,6 @@ double brdffit_sums_largest(const brdffit_sums *sums, size_t channel)
     return channel < sums->channels ? sums->largest[channel] : 0.0;
 }
 
-size_t brdffit_sums_find(struct brdffit_sums *s, double c)
-{
-    uint64_t bits;
-    size_t at;
-
-    c += 0.0; /* -0 is 0 */
-    if (s->recent < s->groups && s->c[s->recent] == c) {
-        return s->recent;
-    }
-    memcpy(&bits, &c, sizeof bits);
-    bits *= 0x9e3779b97f4a7c15u;
-    for (at = (size_t)(bits >> 32) & (s->slots - 1); s->slot[at]; at = (at + 1) & (s->slots - 1)) {
-        if (s->c[s->slot[at] - 1] == c) {
-            return s->recent = s->slot[at] - 1;
-        }
-    }
-    if (s->groups == s->capacity) {
-        return s->capacity;
-    }
-    s->slot[at] = (uint32_t)(s->groups + 1);
-    s->c[s->groups] = c;
-    s->cell[s->groups].high = s->cell[s->groups].low = 0.0;
-    memset(sums_group(s, s->groups), 0, SUMS_PRODUCTS(s->channels) * sizeof(struct sums_pair));
-    return s->recent = s->groups++;
-}
-
 /* Whether what sums cannot hold is there: the limits of brdffit.h. */
 static brdffit_status check_range(const struct brdffit_sums *s, const brdffit_samples *samples, size_t i,
                                   const struct geometry *g, double to_radiance, brdffit_error *error)

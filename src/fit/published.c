@@ -16,7 +16,6 @@
  * and by what triangles did to it, so that a channel's |r| is off by at most |d| in the same norm (Minkowski), and
  * E^2 = sum |r|^2 by at most sum 2 |r| |d| + |d|^2. Sums of norms l1 and linf are compensated, their own rounding is within
  * TOL_PUBLISHED; of l2, d is taken by norms. What samples may hide of a lobe (charge.h) is added.
- *
  */
 #include "fit/published.h"
 
