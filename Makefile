@@ -77,7 +77,16 @@ BENCH := $(sort $(wildcard tools/bench/bench_*.c))
 TESTS := $(sort $(wildcard tests/test_*.c))
 REFERENCES := $(sort $(wildcard tests/ref/*.c))
 FUZZ := $(sort $(wildcard tests/fuzz/*.c))
+# The judge in quad precision needs a compiler with libquadmath (GCC, where double is not all that there is). Without one,
+# neither the campaign is built nor the tests that include it.
+QUADMATH := $(shell printf '\043include <quadmath.h>\n__float128 x;\n' | $(CC) -x c -c -o /dev/null - 2> /dev/null && echo -lquadmath)
+QUAD_TESTS := $(shell grep -l '"quad/' /dev/null $(TESTS))
+CAMPAIGN := $(if $(QUADMATH),$(BUILD)/tests/campaign)
+ifeq ($(QUADMATH),)
+TESTS := $(filter-out $(QUAD_TESTS),$(TESTS))
+endif
 TEST_SUPPORT := $(call object,$(wildcard tests/batch.c tests/verify.c tests/support.c))
+QUAD := $(call object,$(filter-out tests/quad/campaign.c,$(sort $(wildcard tests/quad/*.c))))
 SCRIPTS := $(sort $(wildcard tests/check_*.sh))
 MANUALS := $(wildcard tools/brdffit/brdffit.1)
 
@@ -109,7 +118,7 @@ programs: $(TOOLS) $(BENCH_PROGRAMS)
 
 examples: $(EXAMPLE_PROGRAMS)
 
-test-programs: $(TEST_PROGRAMS) $(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS)
+test-programs: $(TEST_PROGRAMS) $(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS) $(CAMPAIGN)
 
 help:
 	@echo 'make             libraries and programs, in $(BUILD)/'
@@ -117,6 +126,7 @@ help:
 	@echo 'make demo        install what is missing, build, fit the shipped example'
 	@echo 'make check       install what is missing, build, run every test (sanitizers included)'
 	@echo 'make check-asan  C tests and command line under AddressSanitizer and UBSan'
+	@echo 'make venv        the environment of the Python tests, of clang-format and of ruff, in $(VENV)'
 	@echo 'make check-package  the Python package: wheel, sdist, editable, ECOS=0, removal, in fresh environments'
 	@echo 'make deps        only install what is missing (Debian; elsewhere: say what is missing)'
 	@echo 'make docs        the documentation, in $(BUILD)/docs/html'
@@ -304,6 +314,14 @@ $(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS): $(BUILD)/tests/%: $(OBJ)/tests/%.o $(STA
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)$(LINK) -o $@ $< $(STATIC_IO) $(STATIC) -lz -lm
 
+# The quad tests stand on the judge in quad precision too.
+$(QUAD_TESTS:tests/%.c=$(BUILD)/tests/%): TEST_SUPPORT += $(QUAD) $(QUADMATH)
+$(QUAD_TESTS:tests/%.c=$(BUILD)/tests/%): $(QUAD)
+
+$(BUILD)/tests/campaign: $(OBJ)/tests/quad/campaign.o $(QUAD) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)$(LINK) -o $@ $< $(QUAD) $(STATIC_IO) $(STATIC) $(QUADMATH) -lz -lm
+
 $(BUILD)/%.pc: tools/setup/%.pc.in $(BUILD)/install.flags
 	@sed -e 's|@VERSION@|$(VERSION)|' -e 's|@PREFIX@|$(prefix)|' -e 's|@EXEC_PREFIX@|$(exec_prefix)|' \
 	    -e 's|@LIBDIR@|$(libdir)|' -e 's|@INCLUDEDIR@|$(includedir)|' $< > $@
@@ -346,7 +364,7 @@ deps:
 
 demo:
 	@$(MAKE) --no-print-directory deps DEPS='cli build'
-	@$(MAKE) --no-print-directory all
+	@$(MAKE) --no-print-directory libraries $(TOOLS)
 	@sh tools/setup/demo.sh '$(BUILD)'
 
 # Figures and notebook run the library; a warning, a cell that fails or a bound above the truth ends the build.
@@ -367,7 +385,7 @@ check: deps
 	@[ '$(BROWSER)' = 0 ] || sh tools/setup/deps.sh install browser || \
 	    echo 'No Chromium: the test of the pages of brdffit report in a browser is skipped.' >&2
 	@$(MAKE) --no-print-directory check-build
-	@failed=; for part in check-c check-scripts check-asan check-python check-docs; do \
+	@failed=; for part in venv check-c check-scripts check-asan check-python check-docs; do \
 	    $(MAKE) --no-print-directory $$part || failed="$$failed $$part"; \
 	done; \
 	if [ -n "$$failed" ]; then echo "make check: FAILED in$$failed" >&2; exit 1; fi; \
@@ -379,10 +397,12 @@ check-c: check-build
 	@BRDFFIT_BUILD='$(abspath $(BUILD))' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' \
 	    sh tools/setup/run_tests.sh programs $(TEST_PROGRAMS)
 
-# The scripts build what they need themselves; they inherit the compiler and its flags.
+# The scripts build what they need themselves; they inherit the compiler and its flags. check_format.sh finds its tools in
+# the tests' environment, but is not a reason to download it: `make check` does that first.
 check-scripts: check-build
 	@BRDFFIT_BUILD='$(abspath $(BUILD))' MAKE='$(MAKE)' CC='$(CC)' THIRD_PARTY='$(abspath $(THIRD_PARTY))' \
-	    ECOS='$(ECOS)' ECOS_DIR='$(ECOS_DIR)' WERROR='$(WERROR)' sh tools/setup/run_tests.sh scripts $(SCRIPTS)
+	    ECOS='$(ECOS)' ECOS_DIR='$(ECOS_DIR)' WERROR='$(WERROR)' VENV='$(abspath $(VENV))' \
+	    sh tools/setup/run_tests.sh scripts $(SCRIPTS)
 
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
 ASAN = $(MAKE) --no-print-directory BUILD='$(BUILD)/asan' THIRD_PARTY='$(THIRD_PARTY)' VENV='$(VENV)' \
@@ -400,9 +420,13 @@ check-asan-run:
 	exit $$failed
 .PHONY: check-asan-run
 
-PYTESTS ?= $(wildcard tests python/tests)
-check-python:
+# The environment of the Python tests, of clang-format and of ruff.
+venv:
 	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(VENV)' tests/requirements.txt
+.PHONY: venv
+
+PYTESTS ?= $(wildcard tests python/tests)
+check-python: venv
 	@BRDFFIT_BUILD='$(abspath $(BUILD))' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' \
 	    sh tools/setup/run_tests.sh python '$(VENV)' '$(BUILD)' $(PYTESTS)
 

@@ -30,7 +30,8 @@ html_extra_path = ["extra"]
 html_css_files = ["brdffit.css"]
 html_title = "brdffit " + release
 html_copy_source = False
-html_theme_options = {"source_repository": "", "light_css_variables": {"color-brand-primary": "#23639f", "color-brand-content": "#23639f"},
+html_theme_options = {"source_repository": "",
+                      "light_css_variables": {"color-brand-primary": "#23639f", "color-brand-content": "#23639f"},
                       "dark_css_variables": {"color-brand-primary": "#6db3f2", "color-brand-content": "#6db3f2"}}
 pygments_style = "friendly"
 pygments_dark_style = "monokai"

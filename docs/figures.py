@@ -6,13 +6,14 @@ SPDX-License-Identifier: MIT
 import itertools
 import json
 
-import brdffit
 import matplotlib
 import numpy as np
 from matplotlib.collections import PolyCollection
 
+import brdffit
+
 matplotlib.use("svg")
-import matplotlib.pyplot as plt  # noqa: E402
+import matplotlib.pyplot as plt
 
 ENGINES = ("socp", "moment")
 TITLES = {"socp": "first order (engine socp)", "moment": "second order (engine moment)"}

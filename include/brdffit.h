@@ -61,7 +61,7 @@ extern "C" {
 #define BRDFFIT_VERSION_STRING "0.2.0"
 
 /* Most lobes a fit can have. */
-#define BRDFFIT_MAX_LOBES 2
+#define BRDFFIT_MAX_LOBES 3
 
 /* "Does not apply" in brdffit_error. */
 #define BRDFFIT_NONE ((size_t)-1)
@@ -276,7 +276,7 @@ typedef struct brdffit_options {
     brdffit_box_fn box; /* or NULL */
     void *box_user;
     const brdffit_distribution *distributions; /* P entries, or NULL (default): `distribution` for every
-                                                  lobe. BRDFFIT_ERR_UNSUPPORTED unless all equal */
+                                                  lobe. Lobes come out ordered: the first one's distribution first */
 } brdffit_options;
 
 /* Set struct_size and every default. NULL is fine: nothing happens. */
@@ -291,13 +291,13 @@ typedef struct brdffit_model {
     brdffit_distribution distribution;
     int lobes;       /* P */
     size_t channels; /* K */
-    const double *sigma; /* P roughnesses, ascending in a result; 1/sqrt(n) where the parameter is n */
+    const double *sigma; /* P roughnesses, in a result ascending among lobes of one distribution; 1/sqrt(n)
+                            where the parameter is n */
     const double *x;     /* K diffuse coefficients, in the data's units */
     const double *y;     /* K x P row-major specular coefficients, in the data's units;
                             y multiplies lambda(s) exp(-c s) b: the paper's scaling */
     const brdffit_distribution *distributions; /* P entries (always in a result), or NULL: `distribution`
-                                                  for every lobe. BRDFFIT_ERR_UNSUPPORTED unless all
-                                                  equal */
+                                                  for every lobe */
 } brdffit_model;
 
 /* Set struct_size, one lobe, and zero or NULL elsewhere. NULL is fine: nothing happens. */
@@ -327,11 +327,13 @@ typedef enum brdffit_stop {
     BRDFFIT_STOP_RELATIVE_GAP = 0, /* proven to relative_gap */
     BRDFFIT_STOP_ABSOLUTE_GAP,     /* proven to absolute_gap: E^2 is at rounding level */
     BRDFFIT_STOP_RESOLUTION,       /* every box left is narrower than sigma_resolution */
-    BRDFFIT_STOP_ROUNDING,         /* boxes cannot be split further in floating point, or bins of sums are too
-                                      coarse */
+    BRDFFIT_STOP_ROUNDING,         /* boxes cannot be split further in floating point, or the gap is closed but for
+                                      e2_error */
     BRDFFIT_STOP_BUDGET,           /* box_budget is used up */
     BRDFFIT_STOP_MEMORY,           /* the workspace's node table is full */
     BRDFFIT_STOP_CANCELLED,        /* the progress callback said so */
+    BRDFFIT_STOP_CONTRADICTION,    /* the bound came out above e2 by more than e2_error: an error of this library;
+                                      nothing is proven, lower_bound is 0 */
     BRDFFIT_STOP_COUNT
 } brdffit_stop;
 
@@ -347,13 +349,14 @@ BRDFFIT_API const char *brdffit_stop_string(brdffit_stop stop);
  */
 typedef struct brdffit_result {
     const brdffit_model *model;
-    const brdffit_lobe *const *lobe; /* P pointers, ascending in sigma */
+    const brdffit_lobe *const *lobe; /* P pointers, in the order of model->sigma */
     const double *channel_scale; /* K divisors, > 0 */
     const double *rms;           /* K root mean square (weighted) radiance residuals, data's units */
     double rms_total;            /* sqrt(sum w r^2 / (K sum w)) over all channels, whatever the norm; units that were
                                     minimised */
-    double e2;                   /* E^2 at the optimum, evaluated on the samples themselves */
-    double e2_error;             /* how far e2 may be from that: 0 but for brdffit_fit_sums() */
+    double e2;                   /* E^2 of `model` as it is published, sigma, x and y in doubles, on the samples */
+    double e2_error;             /* how far e2 may be from that, proven: by rounding (some 1e-14 sqrt(e2
+                                    sum_of_squares)), and by what brdffit_fit_sums() does not know */
     double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
     double gap;                  /* e2 - lower_bound, >= 0 */
     double sum_of_squares;       /* E^2 of the zero model */
@@ -368,7 +371,8 @@ typedef struct brdffit_result {
                                     largest duality gap of a channel's linear program, proven, relative to its zero
                                     model */
     brdffit_stop stop;
-    int certified;               /* 1 when stop is a gap; 0: incumbent and bound are valid, gap is open */
+    int certified;               /* 1 when stop is a gap, which even e2 + e2_error meets; 0: incumbent and bound are
+                                    valid, gap is open (but for BRDFFIT_STOP_CONTRADICTION) */
     size_t boxes;                /* bounded by the search */
     size_t nodes;                /* one-dimensional evaluations; engine socp, norms L1 and LINF: restricted
                                     problems */

@@ -21,10 +21,10 @@ static inline long double attack_objective(const struct bound_case *c, const str
         column[0][i] = c->a[i];
     }
     for (p = 0; p < lobes; p++) {
-        long double s = expl((long double)theta[p]), rest = 1.0L + data->c_min * s;
+        long double s = expl((long double)theta[p]), rest = 1.0L + data->table[0].c_min * s;
 
         for (i = 0; i < n; i++) {
-            long double d = (long double)c->c[i] - data->c_min;
+            long double d = (long double)c->c[i] - data->table[0].c_min;
 
             column[1 + p][i] = c->distribution == BRDFFIT_GGX ? c->b[i] / powl(1.0L + d * s / rest, 2.0L)
                                                               : c->b[i] * expl(-d * s);
@@ -41,7 +41,7 @@ static inline long double attack_objective(const struct bound_case *c, const str
         }
     }
     for (k = 0; k < (int)c->channels; k++) {
-        sum += case_nnls(c, data->channel_scale[k], k, lobes + 1, column);
+        sum += case_nnls(c, data->channel_scale[k] * data->value_scale, k, lobes + 1, column);
     }
     return sum;
 }
@@ -59,7 +59,7 @@ static inline void attack_set_side(struct axis *axis, uint32_t interval, uint32_
 static inline void attack_draw_box(const struct fit *f, const struct point *optimum, int lobes, double range[2][2],
                                    uint64_t *s)
 {
-    double low = f->theta_low, high = f->theta_high, swap;
+    double low = f->domain[0].low, high = f->domain[0].high, swap;
     int p, kind = (int)(case_next(s) % 4);
 
     for (p = 0; p < 2; p++) {

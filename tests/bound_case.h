@@ -100,7 +100,7 @@ static inline void bound_case_rescale(struct bound_case *c, const struct reduced
 
     for (i = 0; i < c->count; i++) {
         c->a[i] /= data->scale_a;
-        c->b[i] /= data->scale_b;
+        c->b[i] /= data->table[0].scale_b;
     }
 }
 

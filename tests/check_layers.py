@@ -22,8 +22,8 @@ IO_LAYERS = ["io/bytes", "io", "io/csv", "io/merl", "io/arrays"]
 
 STANDARD = {"float.h", "limits.h", "math.h", "stddef.h", "stdint.h", "string.h", "stdalign.h"}
 # Headers beyond these, file by file.
-SPECIAL = {"base/environment.c": {"fenv.h"}, "base/environment.h": {"fenv.h"}, "base/lanes.h": {"immintrin.h"}, "api/allocation.c": {"stdlib.h"},
-           "solve/conic/socp.c": {"ecos.h", "stdlib.h"}}
+SPECIAL = {"base/environment.c": {"fenv.h"}, "base/environment.h": {"fenv.h"}, "base/lanes.h": {"immintrin.h"},
+           "api/allocation.c": {"stdlib.h"}, "solve/conic/socp.c": {"ecos.h", "stdlib.h"}}
 PUBLIC = {"brdffit.h", "brdffit_io.h"}
 
 

@@ -118,15 +118,15 @@ static inline void mc_new(struct moments_case *m, uint64_t seed)
     assert_non_null(m->workspace);
     brdffit_arena_init(&arena, m->workspace, size);
     brdffit_fit_layout(&m->fit, &arena, m->count, m->channels, &m->options);
-    assert_int_equal(brdffit_reduce(&m->fit.data, &m->samples, &m->options, NULL), BRDFFIT_OK);
+    assert_int_equal(brdffit_reduce(&m->fit.data, &m->samples, &m->fit.model, &m->options, NULL), BRDFFIT_OK);
     brdffit_fit_prepare(&m->fit, &m->options);
-    m->c_min = (long double)m->fit.data.c_min;
+    m->c_min = (long double)m->fit.data.table[0].c_min;
 }
 
 /* No lobe of the range has a finite coefficient: the fit drops them, and there is nothing to compare. */
 static inline int mc_without_lobes(const struct moments_case *m)
 {
-    return !(m->fit.data.bb[0] > 0.0);
+    return !(m->fit.data.table[0].bb[0] > 0.0);
 }
 
 static inline void mc_free(struct moments_case *m)
@@ -142,12 +142,12 @@ static inline long double mc_a(const struct moments_case *m, size_t i)
 
 static inline long double mc_b(const struct moments_case *m, size_t i)
 {
-    return (long double)m->b[i] / m->fit.data.scale_b;
+    return (long double)m->b[i] / m->fit.data.table[0].scale_b;
 }
 
 static inline long double mc_value(const struct moments_case *m, size_t i, size_t k)
 {
-    return (long double)m->values[i * m->channels + k] / m->fit.data.channel_scale[k];
+    return (long double)m->values[i * m->channels + k] / (m->fit.data.channel_scale[k] * m->fit.data.value_scale);
 }
 
 /* The variable of the family in which phi is what it is. */

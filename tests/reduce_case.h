@@ -68,16 +68,18 @@ static inline brdffit_status try_reduce(struct outcome *o, const brdffit_samples
 {
     struct arena arena;
     brdffit_options options;
+    struct model model;
 
     brdffit_options_init(&options);
+    brdffit_model_make(&model, &options);
     brdffit_arena_init(&arena, NULL, 0);
-    brdffit_reduce_layout(&o->r, &arena, s->count, s->channels);
+    brdffit_reduce_layout(&o->r, &arena, s->count, s->channels, 1);
     o->block = malloc(arena.used);
     assert_non_null(o->block);
     brdffit_arena_init(&arena, o->block, arena.used);
-    brdffit_reduce_layout(&o->r, &arena, s->count, s->channels);
+    brdffit_reduce_layout(&o->r, &arena, s->count, s->channels, 1);
     assert_false(arena.failed);
-    return brdffit_reduce(&o->r, s, &options, error);
+    return brdffit_reduce(&o->r, s, &model, &options, error);
 }
 
 static inline void reduce(struct outcome *o, const brdffit_samples *s)
@@ -93,7 +95,7 @@ static inline long double weight(const struct problem *p, const struct reduced *
 
 static inline long double value(const struct problem *p, const struct reduced *r, size_t i, size_t k)
 {
-    return (long double)p->values[i * p->channels + k] / r->channel_scale[k];
+    return (long double)p->values[i * p->channels + k] / (r->channel_scale[k] * r->value_scale);
 }
 
 static inline void within(const char *what, double got, long double exact, long double allowed)
@@ -110,17 +112,17 @@ static inline void check_group(const struct problem *p, const struct reduced *r,
     size_t i, k, f, K = p->channels;
 
     for (i = 0; i < p->count; i++) {
-        long double b = p->b[i] / r->scale_b;
+        long double b = p->b[i] / r->table[0].scale_b;
 
-        if (j < r->distinct && p->b[i] > 0.0 && p->c[i] - r->c_min == r->c[j]) {
+        if (j < r->distinct && p->b[i] > 0.0 && p->c[i] - r->table[0].c_min == r->table[0].c[j]) {
             bb += weight(p, r, i) * b * b;
             b4 += powl(weight(p, r, i) * b * b, 2.0L);
             ab += weight(p, r, i) * (p->a[i] / r->scale_a) * b;
         }
     }
-    within("bb", r->bb[j], bb, SUM_ERROR * bb);
-    within("concentration", r->concentration[j], bb > 0.0L ? b4 / (bb * bb) : 0.0L, 4.0L * SUM_ERROR);
-    within("ab", r->linear[j], ab, SUM_ERROR * ab);
+    within("bb", r->table[0].bb[j], bb, SUM_ERROR * bb);
+    within("concentration", r->table[0].concentration[j], bb > 0.0L ? b4 / (bb * bb) : 0.0L, 4.0L * SUM_ERROR);
+    within("ab", r->table[0].linear[j], ab, SUM_ERROR * ab);
     for (f = 1; f < r->functionals; f++) {
         long double sum = 0.0L;
 
@@ -128,11 +130,11 @@ static inline void check_group(const struct problem *p, const struct reduced *r,
         for (i = 0; i < p->count; i++) {
             long double v = f > K ? -value(p, r, i, k) : value(p, r, i, k);
 
-            if (j < r->distinct && v > 0.0L && p->c[i] - r->c_min == r->c[j]) {
-                sum += weight(p, r, i) * v * (p->b[i] / r->scale_b);
+            if (j < r->distinct && v > 0.0L && p->c[i] - r->table[0].c_min == r->table[0].c[j]) {
+                sum += weight(p, r, i) * v * (p->b[i] / r->table[0].scale_b);
             }
         }
-        within("Ib", r->linear[f * r->stride + j], sum, SUM_ERROR * sum);
+        within("Ib", r->table[0].linear[f * r->stride + j], sum, SUM_ERROR * sum);
     }
 }
 
@@ -164,7 +166,7 @@ static inline void check_sums(const struct problem *p, const struct reduced *r)
     within("total", r->total, total, SUM_ERROR * total);
     assert_int_equal(r->stride % LANES, 0);
     for (j = 0; j < r->stride; j++) {
-        assert_true(j == 0 ? r->c[j] == 0.0 : j < r->distinct ? r->c[j] > r->c[j - 1] : r->bb[j] == 0.0);
+        assert_true(j == 0 ? r->table[0].c[j] == 0.0 : j < r->distinct ? r->table[0].c[j] > r->table[0].c[j - 1] : r->table[0].bb[j] == 0.0);
         check_group(p, r, j);
     }
 }
@@ -186,17 +188,17 @@ static inline void check_rows(const struct problem *p, const struct reduced *r, 
             y[j] = brdffit_test_uniform(&random, -2.0, 2.0);
         }
         for (i = 0; i < p->count; i++) {
-            long double a = p->a[i] / r->scale_a, b = p->b[i] / r->scale_b, v = value(p, r, i, k), along = 0.0L;
+            long double a = p->a[i] / r->scale_a, b = p->b[i] / r->table[0].scale_b, v = value(p, r, i, k), along = 0.0L;
 
             for (j = 0; j < r->distinct; j++) {
-                along = p->c[i] - r->c_min == r->c[j] ? y[j] : along;
+                along = p->c[i] - r->table[0].c_min == r->table[0].c[j] ? y[j] : along;
             }
             exact += weight(p, r, i) * powl(a * x + b * along - v, 2.0L);
             scale += weight(p, r, i) * (powl(a * x, 2.0L) + powl(b * along, 2.0L) + v * v);
         }
         for (i = 0; i < r->rows; i++) {
             assert_true(r->row_c[i] < r->distinct);
-            got += powl((long double)r->row_a[i] * x + (long double)r->row_b[i] * y[r->row_c[i]] -
+            got += powl((long double)r->row_a[i] * x + (long double)r->table[0].row_b[i] * y[r->row_c[i]] -
                             r->row_value[k * r->used + i],
                         2.0L);
         }

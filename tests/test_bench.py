@@ -85,7 +85,8 @@ def test_an_answer_below_the_bound_is_found():
 
 
 def test_ratios_are_file_by_file_and_starts_are_means():
-    rows = [row("levmar", 1, 1.0, seconds=9.0), row("levmar", 10, 1.0, seconds=20.0), row("levmar", 10, 1.0, file="g", seconds=50.0)]
+    rows = [row("levmar", 1, 1.0, seconds=9.0), row("levmar", 10, 1.0, seconds=20.0),
+            row("levmar", 10, 1.0, file="g", seconds=50.0)]
     starts = a.start_seconds(rows, "levmar", 1)
     assert starts == {("s", "f", "1"): 2.0, ("s", "g", "1"): 5.0}
     assert a.ratios(starts, {("s", "f", "1"): 0.5, ("s", "h", "1"): 1.0}) == [4.0]
@@ -160,8 +161,8 @@ def test_families_are_the_same_from_the_same_seed(tmp_path):
 
 def test_scaling_prints_one_row_with_its_own_peak():
     ballast = bytearray(b"x" * 50_000_000)  # this process's own peak must not be in it
-    small, large = (list(csv.DictReader(run("scaling", "--samples", n, "--channels", 2, "--lobes", 1, "--repeat", 1).splitlines()))
-                    for n in (100, 20000))
+    texts = [run("scaling", "--samples", n, "--channels", 2, "--lobes", 1, "--repeat", 1) for n in (100, 20000)]
+    small, large = (list(csv.DictReader(text.splitlines())) for text in texts)
     for rows, n in ((small, 100), (large, 20000)):
         assert len(rows) == 1 and int(rows[0]["distinct_c"]) == n and rows[0]["certified"] == "1"
         assert 0.0 < float(rows[0]["search"]) <= float(rows[0]["seconds"])

@@ -33,9 +33,9 @@ static double largest_epsilon(const struct fit *f)
     double largest = 0.0;
     uint32_t i;
 
-    for (i = 0; i < f->axis.nodes; i++) {
-        if (f->moment.moments.ready[i]) {
-            largest = fmax(largest, f->moment.moments.node[i].epsilon);
+    for (i = 0; i < f->axis[0].nodes; i++) {
+        if (i < f->moment.moments.kind[0].ready.known && f->moment.moments.kind[0].ready.on[i]) {
+            largest = fmax(largest, f->moment.moments.kind[0].node[i].epsilon);
         }
     }
     return largest;
@@ -44,21 +44,20 @@ static double largest_epsilon(const struct fit *f)
 /* Attack one box with points: ends, the diagonal, the middle and random ones. */
 static long attack(const struct bound_case *c, struct fit *f, double range[2][2], uint64_t *s)
 {
-    struct box box = {INFINITY, 0, {0, 1}, 0}; /* unreachable: every bound is tried */
+    struct box box = {INFINITY, 0, 0, {0, 1}}; /* unreachable: every bound is tried */
     struct point met;
     int same = range[0][0] == range[1][0] && range[0][1] == range[1][1], i, p;
     double met_objective;
 
-    attack_set_side(&f->axis, 0, 0, range[0]);
-    attack_set_side(&f->axis, 1, 2, range[1]);
-    f->axis.nodes = 4;
-    f->axis.intervals = 2;
+    attack_set_side(f->axis, 0, 0, range[0]);
+    attack_set_side(f->axis, 1, 2, range[1]);
+    f->axis[0].nodes = 4;
+    f->axis[0].intervals = 2;
     if (c->lobes == 1 || same) {
         box.interval[1] = 0;
     }
-    brdffit_bound_moment_start(&f->moment, &f->data, f->kind, f->varpro.kernels, &f->axis, c->lobes);
-    met_objective = c->lobes == 1 ? brdffit_bound_moment_one(&f->moment, &box, &met)
-                                  : brdffit_bound_moment_two(&f->moment, &box, &met);
+    brdffit_bound_moment_start(&f->moment, &f->data, &f->model, f->varpro.kernels, f->axis);
+    met_objective = brdffit_bound_moment(&f->moment, &box, &met);
     assert_true(box.bound >= 0.0 && box.bound <= f->data.total);
     /* What was met is a true objective to within the noise that the engine states. */
     if (met_objective < INFINITY) {
@@ -114,7 +113,7 @@ static void attack_problem(uint64_t seed, long *done)
     /* The same reduction again, with its insides in hand. */
     brdffit_arena_init(&arena, workspace, size);
     brdffit_fit_layout(&fit, &arena, c.count, c.channels, &options);
-    assert_int_equal(brdffit_reduce(&fit.data, &samples, &options, NULL), BRDFFIT_OK);
+    assert_int_equal(brdffit_reduce(&fit.data, &samples, &fit.model, &options, NULL), BRDFFIT_OK);
     bound_case_rescale(&c, &fit.data);
     brdffit_fit_prepare(&fit, &options);
     found.point.theta[0] = -2.0 * log(result->model->sigma[c.lobes - 1]);

@@ -37,13 +37,13 @@ static long double objective_of(const struct bound_case *c, struct fit *f, const
         long double sum = 0.0L;
 
         for (i = 0; i < c->count; i++) {
-            long double r = (long double)c->values[i * c->channels + k] / data->channel_scale[k];
+            long double r = (long double)c->values[i * c->channels + k] / (data->channel_scale[k] * data->value_scale);
 
             for (p = 0; p <= c->lobes; p++) {
-                long double d = (long double)c->c[i] - data->c_min, column = c->a[i];
+                long double d = (long double)c->c[i] - data->table[0].c_min, column = c->a[i];
 
                 if (p > 0) {
-                    long double s = expl((long double)at->theta[p - 1]), rest = 1.0L + data->c_min * s;
+                    long double s = expl((long double)at->theta[p - 1]), rest = 1.0L + data->table[0].c_min * s;
 
                     column = c->distribution == BRDFFIT_GGX ? c->b[i] / powl(1.0L + d * s / rest, 2.0L)
                                                             : c->b[i] * expl(-d * s);
@@ -59,15 +59,15 @@ static long double objective_of(const struct bound_case *c, struct fit *f, const
 
 static long attack(const struct bound_case *c, struct fit *f, double range[2][2], double target, uint64_t *s)
 {
-    struct box box = {0.0, 0, {0, 1}, 0};
+    struct box box = {0.0, 0, 0, {0, 1}};
     struct point met;
     struct varpro_value value;
     int same = range[0][0] == range[1][0] && range[0][1] == range[1][1], i, p;
 
-    attack_set_side(&f->axis, 0, 0, range[0]);
-    attack_set_side(&f->axis, 1, 2, range[1]);
-    f->axis.nodes = 4;
-    f->axis.intervals = 2;
+    attack_set_side(f->axis, 0, 0, range[0]);
+    attack_set_side(f->axis, 1, 2, range[1]);
+    f->axis[0].nodes = 4;
+    f->axis[0].intervals = 2;
     if (c->lobes == 1 || same) {
         box.interval[1] = 0;
     }
@@ -119,13 +119,13 @@ static void attack_problem(uint64_t seed, brdffit_norm norm, long *done, long *p
     assert_non_null(workspace);
     brdffit_arena_init(&arena, workspace, size);
     brdffit_fit_layout(&fit, &arena, c.count, c.channels, &options);
-    assert_int_equal(brdffit_reduce(&fit.data, &samples, &options, NULL), BRDFFIT_OK);
+    assert_int_equal(brdffit_reduce(&fit.data, &samples, &fit.model, &options, NULL), BRDFFIT_OK);
     bound_case_rescale(&c, &fit.data);
     brdffit_fit_prepare(&fit, &options);
-    brdffit_axis_start(&fit.axis, fit.theta_low, fit.theta_high, 1);
+    brdffit_axis_start(fit.axis, fit.domain[0].low, fit.domain[0].high, 1);
     assert_int_equal(brdffit_fit_engine_start(&fit, &options, &engine), BRDFFIT_OK);
     for (box = 0; box < 2; box++) {
-        optimum.theta[box] = fit.theta_low + case_uniform(&s) * (fit.theta_high - fit.theta_low);
+        optimum.theta[box] = fit.domain[0].low + case_uniform(&s) * (fit.domain[0].high - fit.domain[0].low);
     }
     (void)engine.try_point(engine.self, &optimum);
     for (box = 0; box < 10; box++) {

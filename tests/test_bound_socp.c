@@ -100,13 +100,13 @@ static void open_problem(struct attacked *a, uint64_t seed)
     assert_non_null(a->workspace);
     brdffit_arena_init(&arena, a->workspace, size);
     brdffit_fit_layout(&a->fit, &arena, a->c.count, a->c.channels, &options);
-    assert_int_equal(brdffit_reduce(&a->fit.data, &samples, &options, NULL), BRDFFIT_OK);
-    a->fit.data.snapped = steep ? SNAP : 0.0;
+    assert_int_equal(brdffit_reduce(&a->fit.data, &samples, &a->fit.model, &options, NULL), BRDFFIT_OK);
+    a->fit.data.table[0].snapped = steep ? SNAP : 0.0;
     bound_case_rescale(&a->c, &a->fit.data);
     brdffit_fit_prepare(&a->fit, &options);
     a->objective = (double)attack_objective(&a->c, &a->fit.data, a->optimum.theta);
-    a->fit.axis.nodes = 4;
-    a->fit.axis.intervals = 2;
+    a->fit.axis[0].nodes = 4;
+    a->fit.axis[0].intervals = 2;
 }
 
 /* What closes a box is asked for in several ways; the answer must hold in all of them. */
@@ -124,7 +124,7 @@ static double bound_of(struct attacked *a, const struct box *sides, int way, uin
     long double exact;
 
     box.bound = target;
-    assert_int_equal(brdffit_bound_socp_start(engine, &a->fit.varpro, &a->fit.axis, way > 0), BRDFFIT_OK);
+    assert_int_equal(brdffit_bound_socp_start(engine, &a->fit.varpro, a->fit.axis, way > 0), BRDFFIT_OK);
     met_objective = brdffit_bound_socp(engine, &box, &met);
     brdffit_bound_socp_finish(engine);
     assert_true(box.bound >= 0.0 && box.bound <= a->fit.data.total);
@@ -184,11 +184,11 @@ static void check_limits(struct attacked *a, double range[2][2], uint64_t *s)
 static void attack(struct attacked *a, double range[2][2], uint64_t *s, struct tally *tally)
 {
     int same = range[0][0] == range[1][0] && range[0][1] == range[1][1], i, p, way;
-    struct box box = {0.0, 0, {0, 1}, 0};
+    struct box box = {0.0, 0, 0, {0, 1}};
     double bound = 0.0;
 
-    attack_set_side(&a->fit.axis, 0, 0, range[0]);
-    attack_set_side(&a->fit.axis, 1, 2, range[1]);
+    attack_set_side(a->fit.axis, 0, 0, range[0]);
+    attack_set_side(a->fit.axis, 1, 2, range[1]);
     if (a->c.lobes == 1 || same) {
         box.interval[1] = 0;
     }
@@ -228,8 +228,8 @@ static void squeeze(const struct attacked *a, double range[2][2], uint64_t *s)
     for (p = 0; p < 2; p++) {
         double at = a->optimum.theta[a->c.lobes > 1 ? p : 0] * (1.0 + 1e-15 * case_signed(s));
 
-        range[p][0] = fmin(fmax(at, a->fit.theta_low), a->fit.theta_high);
-        range[p][1] = fmin(range[p][0] + fabs(at) * 4e-16 * (double)(case_next(s) % 4), a->fit.theta_high);
+        range[p][0] = fmin(fmax(at, a->fit.domain[0].low), a->fit.domain[0].high);
+        range[p][1] = fmin(range[p][0] + fabs(at) * 4e-16 * (double)(case_next(s) % 4), a->fit.domain[0].high);
     }
     if (range[0][1] > range[1][0]) {
         memcpy(range[1], range[0], sizeof range[0]);

@@ -108,7 +108,7 @@ static void test_bad_options(void **state)
         (void)brdffit_test_fit_fails(&p.samples, &o, BRDFFIT_ERR_OPTION);                                              \
     } while (0)
     REFUSE_OPTION(lobes, 0);
-    REFUSE_OPTION(lobes, 3);
+    REFUSE_OPTION(lobes, BRDFFIT_MAX_LOBES + 1);
     REFUSE_OPTION(lobes, -1);
     REFUSE_OPTION(distribution, BRDFFIT_DISTRIBUTION_COUNT);
     REFUSE_OPTION(distribution, (brdffit_distribution)-1);

@@ -109,7 +109,7 @@ static void test_gain3(void **state)
 
         draw(&c, &s);
         norm2 = (long double)c.t[0] * c.t[0] + (long double)c.t[1] * c.t[1] + (long double)c.t[2] * c.t[2];
-        gain = brdffit_nnls_gain3(c.cosine, c.t);
+        gain = brdffit_nnls_gain(3, c.cosine, c.t);
         for (start = 0; start < 4; start++) {
             int j;
             long double here;
@@ -147,7 +147,7 @@ static void test_gain2(void **state)
         c.t[2] = -1.0;
         c.cosine[1] = c.cosine[2] = 0.0;
         norm2 = (long double)c.t[0] * c.t[0] + (long double)c.t[1] * c.t[1];
-        gain = brdffit_nnls_gain2(c.t[0], c.t[1], c.cosine[0]);
+        gain = brdffit_nnls_gain(2, c.cosine, c.t);
         best = ascend(&c, z);
         assert_true((long double)gain >= best - TOL_GAIN * TOL_UNIT * norm2);
         assert_true((long double)gain <= norm2 * (1.0L + 1e-15L));
@@ -176,8 +176,8 @@ static void test_monotone(void **state)
             d.cosine[i] *= case_next(&s) % 2 ? 1.0 - pow(10.0, -12.0 * case_uniform(&s)) : 1.0;
         }
         norm2 = d.t[0] * d.t[0] + d.t[1] * d.t[1] + d.t[2] * d.t[2];
-        before = brdffit_nnls_gain3(c.cosine, c.t);
-        after = brdffit_nnls_gain3(d.cosine, d.t);
+        before = brdffit_nnls_gain(3, c.cosine, c.t);
+        after = brdffit_nnls_gain(3, d.cosine, d.t);
         assert_true(after >= before - TOL_GAIN * TOL_UNIT * norm2);
     }
 }

@@ -83,7 +83,7 @@ static void check_curvature(const struct moments_case *m, const struct interval 
     }
 }
 
-struct sides {
+struct drawn {
     const struct interval *side[2];
     double theta[2][2];
     double mu_shift[2], mu_corner[4], mu_inf;
@@ -91,7 +91,7 @@ struct sides {
     double part;
 };
 
-static void check_mu(const struct moments_case *m, const struct sides *s, const long double *f,
+static void check_mu(const struct moments_case *m, const struct drawn *s, const long double *f,
                      const struct mc_exact *e, const double *theta)
 {
     long double mu = mc_mu(m, &e[0], &e[1]), chord = 0.0L;
@@ -111,7 +111,7 @@ static void check_mu(const struct moments_case *m, const struct sides *s, const 
 
 static void draw_sides(const struct moments_case *m, double theta[2][2], struct brdffit_test_random *random)
 {
-    double low = m->fit.theta_low, high = m->fit.theta_high;
+    double low = m->fit.domain[0].low, high = m->fit.domain[0].high;
     int p, same = brdffit_test_below(random, 4) == 0;
 
     for (p = 0; p < 2; p++) {
@@ -136,38 +136,45 @@ static void draw_sides(const struct moments_case *m, double theta[2][2], struct 
     }
 }
 
-static void open_sides(struct moments_case *m, struct sides *s)
+static void open_sides(struct moments_case *m, struct drawn *s)
 {
     struct bound_moment *engine = &m->fit.moment;
+    struct sides sides = {&engine->moments, {0, 0}, {NULL, NULL}};
+    /* Nodes 2 p and 2 p + 1 are the ends of side p, 4 + p splits it; then the two sides and their parts. */
+    struct axis_interval interval[6] = {{0, 1, 0}, {2, 3, 0}, {0, 4, 0}, {4, 1, 0}, {2, 5, 0}, {5, 3, 0}};
+    double coordinate[6];
+    const struct axis axis = {.interval = interval, .coordinate = coordinate};
     uint32_t p, c;
 
-    brdffit_moments_start(&engine->moments, &m->fit.data, m->fit.kind, m->fit.varpro.kernels, 2);
-    brdffit_intervals_start(&engine->intervals, &engine->moments);
+    brdffit_moments_start(&engine->moments, &m->fit.data, &m->fit.model, m->fit.varpro.kernels);
+    brdffit_intervals_start(engine->intervals, &engine->moments, 0);
     for (p = 0; p < 2; p++) {
-        s->side[p] = brdffit_interval(&engine->intervals, p, 2 * p, 2 * p + 1, s->theta[p][0], s->theta[p][1]);
+        coordinate[2 * p] = s->theta[p][0];
+        coordinate[2 * p + 1] = s->theta[p][1];
+        s->side[p] = brdffit_interval(engine->intervals, p, &axis);
     }
     for (p = 0; p < 2 && s->refine; p++) {
         double middle = s->theta[p][0] + s->part * (s->theta[p][1] - s->theta[p][0]);
-        struct interval *whole = brdffit_interval(&engine->intervals, p, 2 * p, 2 * p + 1, s->theta[p][0],
-                                                  s->theta[p][1]);
+        struct interval *whole = brdffit_interval(engine->intervals, p, &axis);
 
+        coordinate[4 + p] = middle;
         if (s->theta[p][0] < middle && middle < s->theta[p][1] && whole->eighth > 0.0) {
-            brdffit_interval_refine(
-                &engine->intervals, whole,
-                brdffit_interval(&engine->intervals, 2 + 2 * p, 2 * p, 4 + p, s->theta[p][0], middle),
-                brdffit_interval(&engine->intervals, 3 + 2 * p, 4 + p, 2 * p + 1, middle, s->theta[p][1]));
+            brdffit_interval_refine(engine->intervals, whole, brdffit_interval(engine->intervals, 2 + 2 * p, &axis),
+                                    brdffit_interval(engine->intervals, 3 + 2 * p, &axis));
         }
     }
+    sides.side[0] = s->side[0];
+    sides.side[1] = s->side[1];
+    s->mu_inf = brdffit_pair_least(&sides);
     for (p = 0; p < 2; p++) {
-        s->mu_shift[p] = brdffit_pair_shift(&engine->intervals, s->side[0], s->side[1], (int)p);
+        s->mu_shift[p] = brdffit_pair_shift(&sides, (int)p, s->mu_inf);
     }
     for (c = 0; c < 4; c++) {
-        s->mu_corner[c] = brdffit_moments_pair(&engine->moments, c & 1u, 2 + (c >> 1))->mu;
+        s->mu_corner[c] = brdffit_pair_corner(&sides, (int)c)->mu;
     }
-    s->mu_inf = brdffit_moments_pair(&engine->moments, 0, 3)->mu;
 }
 
-static void attack(struct moments_case *m, struct sides *s, struct brdffit_test_random *random)
+static void attack(struct moments_case *m, struct drawn *s, struct brdffit_test_random *random)
 {
     int i, p;
 
@@ -203,14 +210,14 @@ static void test_enclosures(void **state)
     for (seed = 1; done < TRIALS; seed++) {
         struct brdffit_test_random random = {seed};
         struct moments_case m;
-        struct sides s = {.refine = 0};
+        struct drawn s = {.refine = 0};
 
         mc_new(&m, seed);
         if (mc_without_lobes(&m)) {
             mc_free(&m);
             continue;
         }
-        for (i = 0; i < 8 && m.fit.theta_low < m.fit.theta_high; i++) {
+        for (i = 0; i < 8 && m.fit.domain[0].low < m.fit.domain[0].high; i++) {
             draw_sides(&m, s.theta, &random);
             s.refine = i % 2;
             s.part = brdffit_test_uniform(&random, 0.05, 0.95);
@@ -252,7 +259,7 @@ static void test_shifts_are_second_derivatives(void **state)
 
     (void)state;
     for (seed = 1; seed <= 300; seed++) {
-        struct sides s = {.refine = 0};
+        struct drawn s = {.refine = 0};
         struct mc_exact e;
         long double part[2], norm = 0.0L;
         double middle;
@@ -262,7 +269,7 @@ static void test_shifts_are_second_derivatives(void **state)
             mc_free(&m);
             continue;
         }
-        middle = 0.6 * m.fit.theta_low + 0.4 * m.fit.theta_high;
+        middle = 0.6 * m.fit.domain[0].low + 0.4 * m.fit.domain[0].high;
         s.theta[0][0] = s.theta[1][0] = middle * (1.0 - 1e-7);
         s.theta[0][1] = s.theta[1][1] = middle * (1.0 - 1e-7) + 1e-5;
         mc_evaluate(&m, middle, &e);

@@ -287,7 +287,7 @@ static void test_misuse(void **state)
     assert_int_equal(brdffit_plan_init(&skipped, &b.options, b.memory, needed + 4096, &plan, &error),
                      BRDFFIT_ERR_NO_SAMPLES);
     assert_null(plan);
-    b.options.lobes = 3;
+    b.options.lobes = BRDFFIT_MAX_LOBES + 1;
     assert_int_equal(brdffit_plan_size(&b.data.samples, &b.options), 0);
     assert_int_equal(brdffit_plan_init(&b.data.samples, &b.options, b.memory, needed, &plan, &error),
                      BRDFFIT_ERR_OPTION);

@@ -9,18 +9,25 @@
 static double draw_theta(const struct moments_case *m, struct brdffit_test_random *random)
 {
     switch (brdffit_test_below(random, 4)) {
-    case 0: return m->fit.theta_low;
-    case 1: return m->fit.theta_high;
+    case 0: return m->fit.domain[0].low;
+    case 1: return m->fit.domain[0].high;
     case 2: /* sigma = 1e-12 or 1e3, whatever the domain */
         return brdffit_test_below(random, 2) ? 55.262042231857095 : -13.815510557964274;
-    default: return brdffit_test_uniform(random, m->fit.theta_low, m->fit.theta_high);
+    default: return brdffit_test_uniform(random, m->fit.domain[0].low, m->fit.domain[0].high);
     }
 }
 
 static const struct node *node_at(struct moments_case *m, uint32_t index, double theta)
 {
-    m->fit.moment.moments.ready[index] = 0;
-    return brdffit_moments_node(&m->fit.moment.moments, index, theta);
+    marks_clear(&m->fit.moment.moments.kind[0].ready, index);
+    return brdffit_moments_node(&m->fit.moment.moments, 0, index, theta);
+}
+
+static const struct pair *pair_of(struct moments *moments, uint32_t first, uint32_t second)
+{
+    const struct couple couple = {{0, 0}, {first, second}};
+
+    return brdffit_moments_pair(moments, &couple);
 }
 
 static void within(const char *what, double got, long double exact, long double allowed)
@@ -132,7 +139,7 @@ static void test_nodes(void **state)
             mc_free(&m);
             continue;
         }
-        brdffit_moments_start(&m.fit.moment.moments, &m.fit.data, m.fit.kind, m.fit.varpro.kernels, 2);
+        brdffit_moments_start(&m.fit.moment.moments, &m.fit.data, &m.fit.model, m.fit.varpro.kernels);
         for (i = 0; i < 6; i++) {
             double theta = draw_theta(&m, &random);
             const struct node *node = node_at(&m, (uint32_t)i, theta);
@@ -162,7 +169,7 @@ static void test_omega(void **state)
             mc_free(&m);
             continue;
         }
-        brdffit_moments_start(&m.fit.moment.moments, &m.fit.data, m.fit.kind, m.fit.varpro.kernels, 1);
+        brdffit_moments_start(&m.fit.moment.moments, &m.fit.data, &m.fit.model, m.fit.varpro.kernels);
         for (i = 0; i < m.count; i++) {
             aa += mc_a(&m, i) * mc_a(&m, i);
         }
@@ -182,7 +189,7 @@ static void test_omega(void **state)
 
 static void check_pair(const struct moments_case *m, const struct pair *pair, double theta_p, double theta_q)
 {
-    const struct node *node = m->fit.moment.moments.node;
+    const struct node *node = m->fit.moment.moments.kind[0].node;
     double epsilon = fmax(node[pair->first].epsilon, node[pair->second].epsilon);
     struct mc_exact p, q;
     long double value = 0.0L, mean = 0.0L, variance = 0.0L, mu, exponent;
@@ -229,14 +236,14 @@ static void test_pairs(void **state)
             mc_free(&m);
             continue;
         }
-        brdffit_moments_start(&m.fit.moment.moments, &m.fit.data, m.fit.kind, m.fit.varpro.kernels, 2);
+        brdffit_moments_start(&m.fit.moment.moments, &m.fit.data, &m.fit.model, m.fit.varpro.kernels);
         for (i = 0; i < 5; i++) {
             theta[i] = draw_theta(&m, &random);
-            (void)brdffit_moments_node(&m.fit.moment.moments, i, theta[i]);
+            (void)brdffit_moments_node(&m.fit.moment.moments, 0, i, theta[i]);
         }
         for (i = 0; i < 5; i++) {
             for (j = 0; j < 5; j++) {
-                check_pair(&m, brdffit_moments_pair(&m.fit.moment.moments, i, j), theta[i], theta[j]);
+                check_pair(&m, pair_of(&m.fit.moment.moments, i, j), theta[i], theta[j]);
             }
         }
         mc_free(&m);
@@ -253,20 +260,20 @@ static void test_pair_cache(void **state)
 
     (void)state;
     mc_new(&m, 3);
-    brdffit_moments_start(moments, &m.fit.data, m.fit.kind, m.fit.varpro.kernels, 2);
+    brdffit_moments_start(moments, &m.fit.data, &m.fit.model, m.fit.varpro.kernels);
     for (i = 0; i < 80; i++) {
-        (void)brdffit_moments_node(moments, i, -5.0 + 0.1 * i);
-        first[i] = *brdffit_moments_pair(moments, i, 79 - i < i ? 79 - i : i);
+        (void)brdffit_moments_node(moments, 0, i, -5.0 + 0.1 * i);
+        first[i] = *pair_of(moments, i, 79 - i < i ? 79 - i : i);
     }
     for (i = 0; i < 80; i++) {
         for (j = 0; j < 80; j++) {
-            const struct pair *pair = brdffit_moments_pair(moments, i, j);
+            const struct pair *pair = pair_of(moments, i, j);
 
             assert_true(pair->first == i && pair->second == j);
         }
     }
     for (i = 0; i < 80; i++) {
-        const struct pair *pair = brdffit_moments_pair(moments, first[i].first, first[i].second);
+        const struct pair *pair = pair_of(moments, first[i].first, first[i].second);
 
         assert_true(pair->mu == first[i].mu && pair->value == first[i].value && pair->mean == first[i].mean);
     }
@@ -293,23 +300,23 @@ static void test_shapes_not_kept(void **state)
             mc_free(&m);
             continue;
         }
-        brdffit_moments_start(moments, &m.fit.data, m.fit.kind, m.fit.varpro.kernels, 2);
+        brdffit_moments_start(moments, &m.fit.data, &m.fit.model, m.fit.varpro.kernels);
         for (i = 0; i < 2; i++) {
-            kept[i] = *brdffit_moments_node(moments, i, -1.0 + 4.0 * i);
+            kept[i] = *brdffit_moments_node(moments, 0, i, -1.0 + 4.0 * i);
             tau[i] = kept[i].tau[0];
             assert_non_null(kept[i].phi);
         }
-        pair = *brdffit_moments_pair(moments, 0, 1);
-        moments->phi_doubles = 0;
-        brdffit_moments_start(moments, &m.fit.data, m.fit.kind, m.fit.varpro.kernels, 2);
+        pair = *pair_of(moments, 0, 1);
+        moments->kind[0].phi_doubles = 0;
+        brdffit_moments_start(moments, &m.fit.data, &m.fit.model, m.fit.varpro.kernels);
         for (i = 0; i < 2; i++) {
-            const struct node *node = brdffit_moments_node(moments, i, -1.0 + 4.0 * i);
+            const struct node *node = brdffit_moments_node(moments, 0, i, -1.0 + 4.0 * i);
 
             assert_null(node->phi);
             assert_true(node->h == kept[i].h && node->kappa == kept[i].kappa && node->m2 == kept[i].m2);
             assert_true(node->tau[0] == tau[i]);
         }
-        assert_true(brdffit_moments_pair(moments, 0, 1)->mu == pair.mu);
+        assert_true(pair_of(moments, 0, 1)->mu == pair.mu);
         mc_free(&m);
     }
 }

@@ -151,17 +151,17 @@ static double grid_minimum(const brdffit_samples *samples, const brdffit_options
     assert_non_null(workspace);
     brdffit_arena_init(&arena, workspace, size);
     brdffit_fit_layout(&fit, &arena, samples->count, samples->channels, options);
-    assert_int_equal(brdffit_reduce(&fit.data, samples, options, NULL), BRDFFIT_OK);
+    assert_int_equal(brdffit_reduce(&fit.data, samples, &fit.model, options, NULL), BRDFFIT_OK);
     brdffit_fit_prepare(&fit, options);
-    brdffit_axis_start(&fit.axis, fit.theta_low, fit.theta_high, 1);
+    brdffit_axis_start(fit.axis, fit.domain[0].low, fit.domain[0].high, 1);
     assert_int_equal(brdffit_fit_engine_start(&fit, options, &engine), BRDFFIT_OK);
     for (i = 0; i <= steps; i++) {
         for (j = options->lobes > 1 ? i : steps; j <= steps; j++) {
             struct point at;
             struct varpro_value value;
 
-            at.theta[0] = fit.theta_low + (fit.theta_high - fit.theta_low) * i / steps;
-            at.theta[1] = fit.theta_low + (fit.theta_high - fit.theta_low) * j / steps;
+            at.theta[0] = fit.domain[0].low + (fit.domain[0].high - fit.domain[0].low) * i / steps;
+            at.theta[1] = fit.domain[0].low + (fit.domain[0].high - fit.domain[0].low) * j / steps;
             brdffit_fit_evaluate(&fit, &at, options->lobes == 1, &value);
             assert_true(value.kkt <= 1e-7);
             best = fmin(best, value.objective);

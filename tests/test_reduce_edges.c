@@ -23,8 +23,8 @@ static void test_given_c_merge_exactly(void **state)
     c[5] = 77.0; /* b = 0: no lobe, no c */
     reduce(&o, &s);
     assert_int_equal(o.r.distinct, 3);
-    assert_true(o.r.bb[0] == 1.0 / (o.r.scale_b * o.r.scale_b));
-    assert_true(o.r.c[2] - o.r.c[1] == nextafter(0.3, 1.0) - 0.3);
+    assert_true(o.r.table[0].bb[0] == 1.0 / (o.r.table[0].scale_b * o.r.table[0].scale_b));
+    assert_true(o.r.table[0].c[2] - o.r.table[0].c[1] == nextafter(0.3, 1.0) - 0.3);
     free(o.block);
     s.form = BRDFFIT_FORM_ANGLES;
     s.cos_light = s.cos_view = s.cos_difference = cosines;
@@ -67,11 +67,11 @@ static void test_directions_merge_to_rounding(void **state)
     reduce(&o, &s);
     for (j = 0; j < o.r.distinct; j++) {
         /* alpha is half the difference of the angles, 0 or 0.4, whatever theta. */
-        tilted += o.r.c[j] > 1e-20;
-        assert_true(fabs(sqrt(o.r.c[j] + o.r.c_min) - (o.r.c[j] > 1e-20 ? tan(0.4) : 0.0)) <= 2e-15);
+        tilted += o.r.table[0].c[j] > 1e-20;
+        assert_true(fabs(sqrt(o.r.table[0].c[j] + o.r.table[0].c_min) - (o.r.table[0].c[j] > 1e-20 ? tan(0.4) : 0.0)) <= 2e-15);
     }
     assert_int_equal(tilted, 1);
-    assert_true(o.r.snapped > 0.0 && o.r.snapped <= TOL_SNAP);
+    assert_true(o.r.table[0].snapped > 0.0 && o.r.table[0].snapped <= TOL_SNAP);
     for (i = 0; i < 72; i++) {
         struct geometry g;
         brdffit_status status;
@@ -79,11 +79,11 @@ static void test_directions_merge_to_rounding(void **state)
 
         (void)brdffit_geometry_sample(&s, BRDFFIT_BECKMANN, 0.0, i, &g, &status, NULL);
         for (j = 0; j < o.r.distinct; j++) {
-            double change = fabs(g.c - o.r.c_min - o.r.c[j]);
+            double change = fabs(g.c - o.r.table[0].c_min - o.r.table[0].c[j]);
 
-            nearest = fmin(nearest, change > 0.0 ? change / o.r.c[j] : 0.0);
+            nearest = fmin(nearest, change > 0.0 ? change / o.r.table[0].c[j] : 0.0);
         }
-        assert_true(nearest <= o.r.snapped * (1.0 + 1e-10) + 2.0 * TOL_UNIT);
+        assert_true(nearest <= o.r.table[0].snapped * (1.0 + 1e-10) + 2.0 * TOL_UNIT);
     }
     free(o.block);
 }
@@ -104,7 +104,7 @@ static void test_no_lobe_at_all(void **state)
     }
     reduce(&o, &p.samples);
     assert_int_equal(o.r.distinct, 1);
-    assert_true(o.r.bb[0] == 0.0 && o.r.linear[0] == 0.0);
+    assert_true(o.r.table[0].bb[0] == 0.0 && o.r.table[0].linear[0] == 0.0);
     check_rows(&p, &o.r, 1);
     free(o.block);
     free(p.a);
@@ -133,7 +133,7 @@ static void test_scales(void **state)
                 p.values[n] *= size[(i + 3 * j) % 7];
             }
             reduce(&o, &p.samples);
-            assert_true(frexp(o.r.scale_a, &exponent) == 0.5 && frexp(o.r.scale_b, &exponent) == 0.5);
+            assert_true(frexp(o.r.scale_a, &exponent) == 0.5 && frexp(o.r.table[0].scale_b, &exponent) == 0.5);
             assert_true(frexp(o.r.scale_w, &exponent) == 0.5);
             check_sums(&p, &o.r);
             check_rows(&p, &o.r, j);

@@ -158,7 +158,7 @@ static void test_resolution(void **state)
             result = run(16, &rules);
             for (j = 0; j < fake.records; j++) {
                 uint32_t second = lobes > 1 ? fake.record[j][1] : fake.record[j][0];
-                double width = fmax(fake_width(&fake, fake.record[j][0]), fake_width(&fake, second));
+                double width = fmax(fake_width(&fake, 0, fake.record[j][0]), fake_width(&fake, 0, second));
 
                 assert_true(j < 16 * 17 / 2 || 2.0 * width > rules.sigma_resolution);
             }

@@ -39,11 +39,11 @@ static void reduce_sums(struct outcome *o, const brdffit_sums *sums)
 
     brdffit_options_init(&options);
     brdffit_arena_init(&arena, NULL, 0);
-    brdffit_reduce_layout(&o->r, &arena, brdffit_sums_rows(sums), sums->channels);
+    brdffit_reduce_layout(&o->r, &arena, brdffit_sums_rows(sums), sums->channels, 1);
     o->block = malloc(arena.used);
     assert_non_null(o->block);
     brdffit_arena_init(&arena, o->block, arena.used);
-    brdffit_reduce_layout(&o->r, &arena, brdffit_sums_rows(sums), sums->channels);
+    brdffit_reduce_layout(&o->r, &arena, brdffit_sums_rows(sums), sums->channels, 1);
     assert_false(arena.failed);
     assert_int_equal(brdffit_sums_reduce(sums, &options, &o->r, NULL), BRDFFIT_OK);
 }
@@ -64,10 +64,10 @@ static void check_gram(const struct problem *p, const struct reduced *r, uint64_
             y[j] = brdffit_test_uniform(&random, -2.0, 2.0);
         }
         for (i = 0; i < p->count; i++) {
-            long double a = p->a[i] / r->scale_a, b = p->b[i] / r->scale_b, v = value(p, r, i, k), along = 0.0L;
+            long double a = p->a[i] / r->scale_a, b = p->b[i] / r->table[0].scale_b, v = value(p, r, i, k), along = 0.0L;
 
             for (j = 0; j < r->distinct; j++) {
-                along = p->c[i] - r->c_min == r->c[j] ? y[j] : along;
+                along = p->c[i] - r->table[0].c_min == r->table[0].c[j] ? y[j] : along;
             }
             exact += weight(p, r, i) * powl(a * x + b * along - v, 2.0L);
             ax += weight(p, r, i) * powl(a * x, 2.0L);
@@ -76,7 +76,7 @@ static void check_gram(const struct problem *p, const struct reduced *r, uint64_
         }
         for (i = 0; i < r->rows; i++) {
             assert_true(r->row_c[i] < r->distinct);
-            got += powl((long double)r->row_a[i] * x + (long double)r->row_b[i] * y[r->row_c[i]] -
+            got += powl((long double)r->row_a[i] * x + (long double)r->table[0].row_b[i] * y[r->row_c[i]] -
                             r->row_value[k * r->used + i],
                         2.0L);
         }

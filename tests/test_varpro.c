@@ -4,6 +4,13 @@
  */
 #include "moments_case.h"
 
+/* From here on a model of so many lobes, at most those that the fit was laid out for. */
+static void use_lobes(struct moments_case *m, int lobes)
+{
+    m->options.lobes = lobes;
+    brdffit_model_make(&m->fit.model, &m->options);
+}
+
 /* ||I_k - A z||^2 over z >= 0, in long double, by Gram-Schmidt on every support. */
 struct columns {
     int count;
@@ -115,11 +122,11 @@ static long double objective(const struct moments_case *m, const double *theta, 
 
 static void draw_point(const struct moments_case *m, struct point *at, struct brdffit_test_random *random)
 {
-    double high = m->fit.theta_high;
+    double high = m->fit.domain[0].high;
     int p;
 
     for (p = 0; p < 2; p++) {
-        at->theta[p] = brdffit_test_uniform(random, m->fit.theta_low, fmax(fmin(high, 12.0), m->fit.theta_low));
+        at->theta[p] = brdffit_test_uniform(random, m->fit.domain[0].low, fmax(fmin(high, 12.0), m->fit.domain[0].low));
     }
 }
 
@@ -161,9 +168,9 @@ static void lobes_new(struct moments_case *m, uint64_t seed, double noise, struc
     assert_non_null(m->workspace);
     brdffit_arena_init(&arena, m->workspace, i);
     brdffit_fit_layout(&m->fit, &arena, m->count, 3, &m->options);
-    assert_int_equal(brdffit_reduce(&m->fit.data, &m->samples, &m->options, NULL), BRDFFIT_OK);
+    assert_int_equal(brdffit_reduce(&m->fit.data, &m->samples, &m->fit.model, &m->options, NULL), BRDFFIT_OK);
     brdffit_fit_prepare(&m->fit, &m->options);
-    assert_true((long double)m->fit.data.c_min == (long double)m->c[0]);
+    assert_true((long double)m->fit.data.table[0].c_min == (long double)m->c[0]);
     m->c_min = (long double)m->c[0];
 }
 
@@ -175,7 +182,7 @@ static void check_objective(struct moments_case *m, const struct point *at, int 
     long double exact = objective(m, at->theta, lobes, &supports), exponent = 1.0L, off;
     size_t i;
 
-    m->fit.varpro.lobes = lobes;
+    use_lobes(m, lobes);
     brdffit_varpro_evaluate(&m->fit.varpro, at, 0, &value);
     for (i = 0; i < m->count && !m->ggx; i++) {
         long double x = mc_u(m, at->theta[0]) * ((long double)m->c[i] - m->c_min);
@@ -242,7 +249,7 @@ static void check_derivatives(struct moments_case *m, const struct point *at, in
     unsigned long ignored;
     int i, j, p, q;
 
-    m->fit.varpro.lobes = lobes;
+    use_lobes(m, lobes);
     brdffit_varpro_evaluate(&m->fit.varpro, at, 1, &value);
     for (i = -2; i <= 2; i++) {
         for (j = -2; j <= 2; j++) {
@@ -332,15 +339,15 @@ static void test_descent_never_worsens(void **state)
             struct varpro_value value, after;
             double objective_there;
 
-            m.fit.varpro.lobes = 1 + i % 2;
+            use_lobes(&m, 1 + i % 2);
             draw_point(&m, &at, &random);
             before = at;
             brdffit_varpro_evaluate(&m.fit.varpro, &at, 0, &value);
             objective_there = brdffit_varpro_descend(&m.fit.varpro, &at);
             assert_true(objective_there <= value.objective);
-            for (p = 0; p < m.fit.varpro.lobes; p++) {
-                assert_true(at.theta[p] >= m.fit.theta_low && at.theta[p] <= m.fit.theta_high);
-                assert_true(at.theta[p] <= m.fit.theta_high || at.theta[p] == before.theta[p]);
+            for (p = 0; p < m.fit.model.lobes; p++) {
+                assert_true(at.theta[p] >= m.fit.domain[0].low && at.theta[p] <= m.fit.domain[0].high);
+                assert_true(at.theta[p] <= m.fit.domain[0].high || at.theta[p] == before.theta[p]);
             }
             brdffit_varpro_evaluate(&m.fit.varpro, &at, 0, &after);
             assert_true(after.objective == objective_there);
@@ -363,7 +370,7 @@ static void test_descent_finds_exact_roughness(void **state)
         double found;
 
         lobes_new(&m, seed, 0.0, &truth);
-        m.fit.varpro.lobes = 2;
+        use_lobes(&m, 2);
         for (p = 0; p < 2; p++) {
             at.theta[p] = truth.theta[p] + brdffit_test_uniform(&random, -0.4, 0.4);
         }
@@ -394,12 +401,12 @@ static void test_descent_ends_at_a_stationary_point(void **state)
         struct varpro_value value;
 
         lobes_new(&m, seed, 0.02, &truth);
-        m.fit.varpro.lobes = 1 + (int)(seed & 1);
+        use_lobes(&m, 1 + (int)(seed & 1));
         draw_point(&m, &at, &random);
         (void)brdffit_varpro_descend(&m.fit.varpro, &at);
         brdffit_varpro_evaluate(&m.fit.varpro, &at, 1, &value);
-        for (p = 0; p < m.fit.varpro.lobes; p++) {
-            if (at.theta[p] > m.fit.theta_low && at.theta[p] < m.fit.theta_high) {
+        for (p = 0; p < m.fit.model.lobes; p++) {
+            if (at.theta[p] > m.fit.domain[0].low && at.theta[p] < m.fit.domain[0].high) {
                 assert_true(fabs(value.gradient[p]) <= 1e-7 * m.fit.data.total);
             }
         }

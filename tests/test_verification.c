@@ -239,7 +239,7 @@ static void test_bad_calls(void **state)
     options.norm = BRDFFIT_NORM_L1;
     verify_fails(&data.samples, &options, 0.1, BRDFFIT_ERR_UNSUPPORTED);
     options.norm = BRDFFIT_NORM_L2;
-    options.lobes = 3;
+    options.lobes = BRDFFIT_MAX_LOBES + 1;
     verify_fails(&data.samples, &options, 0.1, BRDFFIT_ERR_OPTION);
     brdffit_test_data_free(&data);
 }

@@ -1,1 +1,4 @@
-"""What Sphinx does not bring: our docstrings, mathematics without scripts, headers and help texts. SPDX-License-Identifier: MIT"""
+"""What Sphinx does not bring: our docstrings, mathematics without scripts, headers and help texts.
+
+SPDX-License-Identifier: MIT
+"""

@@ -6,8 +6,9 @@ import importlib
 import importlib.util
 import inspect
 
-import brdffit
 from sphinx.ext.autodoc.mock import mock
+
+import brdffit
 
 # Packages that a public name needs and the documentation does not.
 ABSENT = ["sklearn"]

@@ -9,14 +9,18 @@ import re
 import sys
 import typing
 
-import brdffit
+from sphinx.pycode import ModuleAnalyzer
 from sphinx.util.inspect import stringify_signature
 from sphinx.util.nodes import make_refnode
+
+import brdffit
 
 _NAME = r"\w+(?: \([^()]*\))?"
 _NAMES = re.compile(r"^(%s(?:(?:,| and) %s)*(?: after it)?): " % (_NAME, _NAME))
 _NEXT = re.compile(r"; (\w+(?:, \w+)*): ")
 _LITERAL = re.compile(r"(`+)(.+?)\1", re.S)
+# Packages that annotations name, whose documentation is not linked: pages fetch nothing, and the builder neither.
+_ELSEWHERE = {"xarray"}
 _QUOTED = re.compile(r'^"[\w-]+": ')
 
 
@@ -158,6 +162,8 @@ def resolve(app, env, node, contnode):
     alias stays text (python.md says what they stand for). What nobody knows is a warning."""
     target = node.get("reftarget", "")
     name = target.rpartition(".")[2]
+    if target.partition(".")[0] in _ELSEWHERE:
+        return contnode
     if node.get("refdomain") != "py" or not (target == name or target.startswith("brdffit.")):
         return None
     objects = env.domains["py"].objects
@@ -169,7 +175,16 @@ def resolve(app, env, node, contnode):
     return contnode if node.get("reftype") == "class" and _internal(name) else None
 
 
+def forget_overloads(app):
+    """Their signatures are for type checkers: `signature` gives the one that says every argument, and all that may come back."""
+    for name in [name for name in sys.modules if name.partition(".")[0] == "brdffit"]:
+        analyzer = ModuleAnalyzer.for_module(name)  # autodoc gets the same one
+        analyzer.analyze()
+        analyzer.overloads.clear()
+
+
 def setup(app):
+    app.connect("builder-inited", forget_overloads)
     app.connect("autodoc-process-docstring", process)
     app.connect("autodoc-process-signature", signature)
     app.connect("missing-reference", resolve)

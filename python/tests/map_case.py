@@ -1,9 +1,9 @@
 """A small map with one of everything that can happen to a texel. SPDX-License-Identifier: MIT"""
 import numpy as np
 import pytest
-import stacks
 
 import brdffit
+import stacks
 
 ARRAYS = ("sigma", "x", "y", "channel_scale", "e2", "lower_bound", "sum_of_squares", "status", "stop", "where", "boxes")
 CERTIFIED, OPEN, NO_SIGNAL, MASKED, BAD_VALUE, REFUSED, NO_SAMPLES, NOT_REACHED = range(8)

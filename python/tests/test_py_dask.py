@@ -13,11 +13,16 @@ import warnings
 
 import numpy as np
 import pytest
-from places import BUILD, ROOT
 
 import brdffit
 import brdffit.dask
 import stacks
+from brdffit.outofcore import tiles
+from brdffit.outofcore.call import prepare
+from brdffit.outofcore.job import TileJob
+from brdffit.outofcore.sources import source_of
+from brdffit.outofcore.store import fields
+from places import BUILD, ROOT
 
 dask = pytest.importorskip("dask")
 pytest.importorskip("dask.array")  # which `import dask` alone does not bring
@@ -138,7 +143,7 @@ def test_xarray(stack, local, tmp_path, way):
     assert got.specular.dims == ("y", "x", "rgb", "lobe") and set(got.coords) == {"y", "rgb", "height", "scan"}
     assert got.rgb.values.tolist() == ["r", "g", "b"] and got.y.values[3] == 1.5 and got.height.values[1, 2] == 26
     assert got.diffuse.sel(rgb="g").values.tobytes() == local.x[..., 1].tobytes()
-    for field in brdffit.dask.store.fields(3, 1):
+    for field in fields(3, 1):
         assert got[field.stored].values.tobytes() == getattr(local, field.name).tobytes(), field.name
     if "output" in more:  # all there: nothing is fitted again
         told = []
@@ -201,7 +206,7 @@ def test_resume(stack, local, tmp_path):
 def test_failures_that_pass(stack, local, tmp_path, monkeypatch):
     """A file system that fails now and then is asked again; one that fails for good ends the run, which goes on later."""
     values, light, view = stack
-    whole, failed = brdffit.dask.TileJob.fit, []
+    whole, failed = TileJob.fit, []
 
     def flaky(self, tile, block, stopped=None):
         if failed.count(tile.number) < times[0]:
@@ -209,7 +214,7 @@ def test_failures_that_pass(stack, local, tmp_path, monkeypatch):
             raise OSError("the disk is away")
         return whole(self, tile, block, stopped)
 
-    monkeypatch.setattr(brdffit.dask.TileJob, "fit", flaky)
+    monkeypatch.setattr(TileJob, "fit", flaky)
     times = [2]
     ask = {"output": tmp_path / "m.zarr", "tile": (10, 24), "threads": 1}
     same_bits(brdffit.fit_map(values, light, view, **ask).load(), local)
@@ -266,7 +271,8 @@ def test_nothing_of_others_is_removed(stack, tmp_path, monkeypatch):
                 brdffit.fit_map(values, light, view, output=output, overwrite=overwrite)
     assert (mine / "notes.txt").read_text() == "precious"
     output = tmp_path / "m.zarr"
-    scan = xarray.DataArray(values, dims=("light", "v", "u", "rgb"), coords={"v": np.arange(4.), "rgb": list("rgb"), "place": (("v", "u"), np.ones((4, 4)))})
+    scan = xarray.DataArray(values, dims=("light", "v", "u", "rgb"), coords={
+        "v": np.arange(4.), "rgb": list("rgb"), "place": (("v", "u"), np.ones((4, 4)))})
     axes = {"sample_axis": "light", "channel_axis": "rgb", "output": output}
     brdffit.fit_map(scan, light, view, **axes)
     brdffit.fit_map(scan, light, view, lobes=2, overwrite=True, **axes)  # coordinates are of the maps
@@ -287,8 +293,9 @@ def test_nothing_of_others_is_removed(stack, tmp_path, monkeypatch):
 def test_wrong_arguments(stack):
     values, light, view = stack
     array = dask.array.from_array(values)
-    for more, error in [({"lobes": 3}, brdffit.OptionError), ({"tile": (4,)}, brdffit.OptionError), ({"tile": 0}, brdffit.OptionError),
-                        ({"progress": True}, brdffit.OptionError), ({"sample_axis": 4}, brdffit.DataError),
+    for more, error in [({"lobes": 3}, brdffit.OptionError), ({"tile": (4,)}, brdffit.OptionError),
+                        ({"tile": 0}, brdffit.OptionError), ({"progress": True}, brdffit.OptionError),
+                        ({"sample_axis": 4}, brdffit.DataError),
                         ({"channel_axis": 0}, brdffit.DataError), ({"mask": np.ones(3)}, brdffit.DataError),
                         ({"errors": "no"}, brdffit.OptionError), ({"sample_axis": "light"}, brdffit.DataError)]:
         with pytest.raises(error):
@@ -309,7 +316,7 @@ def test_wrong_arguments(stack):
 
 def test_tiles():
     """At least as many texels as asked, in whole chunks, and no more bytes than is wise."""
-    cut = brdffit.dask._tiles.tile_shape
+    cut = tiles.tile_shape
     assert cut((4096, 4096), (64, 64), 1008, None) == (64, 1024)
     assert cut((512, 512), (512, 512), 1008, None) == (512, 512)
     assert cut((100, 100), (64, 64), 1008, None) == (100, 100)
@@ -317,8 +324,8 @@ def test_tiles():
     assert cut((8192, 8192), (8192, 8192), 1008, None) == (1024, 1024)
     assert 65536 <= 1024 * 1024 and 1024 * 1024 * 1008 <= 2**30 < 1024 * 2048 * 1008
     assert cut((7, 9, 11), (2, 3, 4), 8, 100) == (2, 6, 11)
-    regions = brdffit.dask._tiles.regions((5, 4), (2, 3))
-    assert len(regions) == 6 and sum(np.prod(brdffit.dask._tiles.shape_of(r)) for r in regions) == 20
+    regions = tiles.regions((5, 4), (2, 3))
+    assert len(regions) == 6 and sum(np.prod(tiles.shape_of(r)) for r in regions) == 20
 
 
 def test_chunks_that_are_read_often_are_told(stack, tmp_path):
@@ -423,10 +430,10 @@ def test_little_travels(stack, tmp_path):
 
     values, light, view = stack
     source = stored(tmp_path / "s.zarr", values, (84, 20, 24, 3))
-    call = brdffit.dask.prepare(brdffit.dask._source(source, 0, -1), light, view, None, None, None, None, 1.0, "status", None,
+    call = prepare(source_of(source, 0, -1), light, view, None, None, None, None, 1.0, "status", None,
                                  brdffit.Options())
     block, = call.source.blocks(call.tile, call.regions)
-    job = brdffit.dask.TileJob(call.arguments(), call.fields, zarr.open_group(str(tmp_path / "g")))
+    job = TileJob(call.arguments(), call.fields, zarr.open_group(str(tmp_path / "g")))
     assert len(pickle.dumps(job)) < 20000 < values.nbytes and len(pickle.dumps((call.tile_of(0), block))) < 5000
     assert pickle.loads(pickle.dumps(block)).load().tobytes() == values.tobytes()
 
@@ -438,5 +445,6 @@ def test_only_dask_needs_dask(tmp_path):
                "s = np.ones((84, 2, 2, 3)); print(brdffit.fit_map(s, l, v).shape)\n"
                "try: brdffit.fit_map(s, l, v, output='m.zarr')\nexcept ImportError as error: print(error)")
     done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE,
-                          env={**os.environ, "PYTHONPATH": str(ROOT / "python" / "src"), "BRDFFIT_LIBRARY": str(BUILD / "libbrdffit.so")})
+                          env={**os.environ, "PYTHONPATH": str(ROOT / "python" / "src"),
+                               "BRDFFIT_LIBRARY": str(BUILD / "libbrdffit.so")})
     assert done.stdout.splitlines() == ["(2, 2)", "zarr is needed here: pip install 'brdffit[dask]'"], done.stderr

@@ -8,12 +8,12 @@ import shutil
 import signal
 import threading
 
-import harness
-import model
 import numpy as np
 import pytest
 
 import brdffit
+import harness
+import model
 
 CASES = [("two_lobe_satin.csv", {"lobes": 2}), ("ggx_metal.csv", {"distribution": "ggx"}),
          ("matte.csv", {"distribution": "blinn-phong", "lobes": 2}), ("two_lobe_table.binary", {"lobes": 2})]
@@ -43,7 +43,8 @@ def test_every_option_arrives():
     given = brdffit.Options(lobes=2, distribution="ward", norm="l1", engine="socp", normalise="none", sigma_range=(0.1, 2),
                             exponent_range=(3, 4), relative_gap=0.5, absolute_gap=0.25, sigma_resolution=0.125, box_budget=77,
                             max_incidence=45, socp_every_box=True, isa="base")._struct()
-    assert [getattr(given, name) for name, _ in given._fields_][1:17] == [2, 3, 1, 1, 1, 1, 0.1, 2, 3, 4, 0.5, 0.25, 0.125, 77, 45, 1]
+    assert [getattr(given, name) for name, _ in given._fields_][1:17] == [
+        2, 3, 1, 1, 1, 1, 0.1, 2, 3, 4, 0.5, 0.25, 0.125, 77, 45, 1]
 
 
 def test_reads_its_own_lines_and_so_does_the_command_line(instruments, tmp_path):

@@ -6,9 +6,9 @@ import shlex
 import subprocess
 
 import pytest
-from places import ROOT
 
 from brdffit import _ffi, _structs
+from places import ROOT
 
 
 def header():

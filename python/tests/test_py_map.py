@@ -5,11 +5,10 @@ import pickle
 
 import numpy as np
 import pytest
-from map_case import (  # noqa: F401 (some are fixtures)
-    ARRAYS, BAD_VALUE, CERTIFIED, MASKED, NO_SIGNAL, REFUSED, desk, mask, same, whole)
 
 import brdffit
-from brdffit._stack import Stack
+from brdffit.maps.stack import Stack
+from map_case import ARRAYS, BAD_VALUE, CERTIFIED, MASKED, NO_SIGNAL, REFUSED, desk, mask, same, whole  # noqa: F401 (some are fixtures)
 
 
 def test_statuses(whole, desk, mask):

@@ -3,10 +3,10 @@ import dataclasses
 
 import numpy as np
 import pytest
-import stacks
-from map_case import BAD_VALUE, CERTIFIED, MASKED, NO_SAMPLES, NO_SIGNAL, same
 
 import brdffit
+import stacks
+from map_case import BAD_VALUE, CERTIFIED, MASKED, NO_SAMPLES, NO_SIGNAL, same
 
 
 @pytest.fixture(scope="module")
@@ -38,8 +38,8 @@ def equal_files(one, other):
         assert (one / name).read_bytes() == (other / name).read_bytes(), name
 
 
-@pytest.mark.parametrize("options", [{}, {"lobes": 2, "distribution": "blinn-phong"}, {"relative_gap": 0.003, "max_incidence": 55.1}],
-                         ids=str)
+@pytest.mark.parametrize("options", [{}, {"lobes": 2, "distribution": "blinn-phong"},
+                                     {"relative_gap": 0.003, "max_incidence": 55.1}], ids=str)
 def test_the_files_of_the_command_line(bent, tmp_path, options):
     """Shared directions and a mask: byte for byte, as folder and as .npz, with the exponent where there is one."""
     words = [word for key, value in options.items()

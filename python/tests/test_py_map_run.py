@@ -8,11 +8,12 @@ import threading
 
 import numpy as np
 import pytest
-from map_case import ARRAYS, NOT_REACHED, desk, mask, same, whole  # noqa: F401 (fixtures)
-from places import SOURCES
 
 import brdffit
-from brdffit import _batch, _geometry
+from brdffit.maps import batch
+from brdffit.maps.geometry import geometry as geometry_of
+from map_case import ARRAYS, NOT_REACHED, desk, mask, same, whole  # noqa: F401 (fixtures)
+from places import SOURCES
 
 
 def test_progress(desk, whole, mask, capsys):
@@ -80,13 +81,13 @@ def test_an_exception_in_the_listener_ends_the_run(hard_stack):
 def test_a_tile_for_schedulers(desk, whole, mask):
     """What a scheduler does with a piece: everything that goes in travels, and pieces make the whole."""
     stack, light, view = desk
-    geometry = _geometry.geometry(light, view, None, None, None, 84, (9, 7)).shared
+    geometry = geometry_of(light, view, None, None, None, 84, (9, 7)).shared
     geometry, options = pickle.loads(pickle.dumps((geometry, dataclasses.asdict(brdffit.Options()))))
     parts = [brdffit.fit_map(stack[:, rows], geometry, mask=mask[rows], **options) for rows in (slice(0, 4), slice(4, 9))]
     for name in ARRAYS:
         assert np.array_equal(np.concatenate([getattr(part, name) for part in parts]), getattr(whole, name), equal_nan=True)
     assert sum(part.counts["certified"] for part in parts) == whole.counts["certified"]
-    plans = [_batch.plan_for(geometry, 3, brdffit.Options(lobes=lobes)) for lobes in (1, 1, 2)]
+    plans = [batch.plan_for(geometry, 3, brdffit.Options(lobes=lobes)) for lobes in (1, 1, 2)]
     assert plans[0] is plans[1] is not plans[2]
     with pytest.raises(brdffit.DataError, match="samples"):
         brdffit.fit_map(stack[:80], geometry, **options)

@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+
 from places import BUILD, ROOT, SOURCES
 
 BENCH = ROOT / "tools" / "bench"

@@ -1,4 +1,4 @@
-"""The wheel, the types. SPDX-License-Identifier: MIT"""
+"""The wheel, the types, the lint. SPDX-License-Identifier: MIT"""
 import os
 import re
 import subprocess
@@ -6,9 +6,9 @@ import sys
 import zipfile
 
 import pytest
-from places import BUILD, ROOT
 
 import brdffit
+from places import BUILD, ROOT
 
 
 def run(*command, cwd=None, **env):
@@ -53,7 +53,7 @@ def test_sdist_has_all_that_make_needs(tmp_path):
     sources = sorted(p.relative_to(ROOT) for p in ROOT.glob("src/**/*.c"))
     assert all((inside / "c" / p).read_bytes() == (ROOT / p).read_bytes() for p in sources)
     assert not list(inside.rglob("*.so")) and not list(inside.rglob("__pycache__"))
-    kept = {k: "" for k in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    kept = dict.fromkeys(("MAKEFLAGS", "MFLAGS", "MAKELEVEL"), "")
     done = run("make", "-n", "ECOS=0", "BUILD=out", "V=1", "out/whole/libbrdffit.so", cwd=inside / "c", **kept)
     assert done.returncode == 0, done.stdout
     compiled = set(re.findall(r"-c (src/\S+\.c)", done.stdout))
@@ -71,9 +71,53 @@ def test_types(tmp_path):
     assert done.returncode == 0, done.stdout
 
 
+USER = """
+import dask.array, numpy as np, numpy.typing as npt, xarray, zarr
+from typing import Any
+from typing_extensions import assert_type
+import brdffit, brdffit.dask
+
+Light = npt.NDArray[np.float64]
+
+def in_memory(values: npt.NDArray[np.float32], stack: brdffit.Stack, light: Light) -> None:
+    assert_type(brdffit.fit_map(values, light, lobes=2), brdffit.FitMap)
+    assert_type(brdffit.fit_map([[[0.5]]], light, mask=[1]), brdffit.FitMap)
+    assert_type(brdffit.fit_map(stack.values, light, output=None), brdffit.FitMap)
+    assert_type(stack.fit_map(rows=3), brdffit.FitMap)
+    assert_type(brdffit.fit_map(values, light, output="m.zarr"), brdffit.dask.MapArrays)
+    assert_type(stack.fit_map(output="m.zarr"), brdffit.dask.MapArrays)
+
+def elsewhere(stored: zarr.Array[Any], delayed: dask.array.Array, light: Light) -> None:
+    assert_type(brdffit.fit_map(stored, light), brdffit.dask.MapArrays)
+    assert_type(brdffit.fit_map(stored, light, output="m.zarr", client=None), brdffit.dask.MapArrays)
+    assert_type(brdffit.fit_map(delayed, light), brdffit.dask.MapArrays)
+    assert_type(brdffit.dask.fit_map(delayed, light), brdffit.dask.MapArrays)
+
+def labelled(scan: xarray.DataArray, light: Light) -> None:
+    assert_type(brdffit.fit_map(scan, light, sample_axis="light"), xarray.Dataset)
+    assert_type(brdffit.fit_map(scan, light, output="m.zarr"), xarray.Dataset)
+    assert_type(brdffit.dask.fit_map(scan, light), xarray.Dataset)
+"""
+
+
+def test_types_are_true_for_users(tmp_path):
+    """What fit_map returns depends on what it is given, and a type checker knows."""
+    (tmp_path / "user.py").write_text(USER + "\nbrdffit.fit_map([[[0.5]]], [0, 0, 1], lobe=2)\n")
+    done = run(sys.executable, "-m", "mypy", "--strict", "--follow-imports", "silent", "--cache-dir",
+               str(BUILD / "mypy_cache_user"), "user.py", cwd=tmp_path, MYPYPATH=str(ROOT / "python" / "src"))
+    errors = re.findall(r"user.py:\d+: error: (.*)", done.stdout)
+    assert len(errors) == 2 and "did you mean" in errors[0] and "No overload" in errors[1], done.stdout  # of the last line
+
+
+def test_lint():
+    done = run(sys.executable, "-m", "ruff", "check", "--cache-dir", str(BUILD / "ruff_cache"), "python", cwd=ROOT)
+    assert done.returncode == 0, done.stdout
+
+
 def test_only_numpy_is_needed():
     program = ("import sys\nfor name in ('sklearn', 'tqdm', 'scipy', 'matplotlib', 'OpenEXR', 'h5py', 'zarr',\n"
                "             'dask', 'distributed', 'xarray'): sys.modules[name] = None\n"
-               "from brdffit import *\nimport brdffit, brdffit.report; f = brdffit.fit(brdffit.Samples.example(), progress=True); print(f.status)")
+               "from brdffit import *\nimport brdffit, brdffit.report\n"
+               "f = brdffit.fit(brdffit.Samples.example(), progress=True); print(f.status)")
     done = run(sys.executable, "-c", program, PYTHONPATH=str(ROOT / "python" / "src"), BRDFFIT_LIBRARY=str(BUILD / "libbrdffit.so"))
     assert done.returncode == 0 and "certified" in done.stdout, done.stdout

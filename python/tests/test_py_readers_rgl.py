@@ -7,14 +7,14 @@ import struct
 
 import numpy as np
 import pytest
-import rgl_files
-import rgl_reference
-from places import ROOT
-from rgl_files import directions, material, tensor_bytes
 
 import brdffit
+import rgl_files
+import rgl_reference
 from brdffit.merl import cell_directions
 from brdffit.report import main as report
+from places import ROOT
+from rgl_files import directions, material, tensor_bytes
 
 DATA = pathlib.Path(os.environ.get("BRDFFIT_DATA", ROOT.parent / "shared" / "data")).resolve()
 REFERENCE = pathlib.Path(__file__).parent / "data" / "rgl_mitsuba.csv"

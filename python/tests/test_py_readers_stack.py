@@ -282,7 +282,7 @@ def test_other_images(tmp_path, monkeypatch):
 def test_memory_is_that_of_the_part(tmp_path):
     rng = np.random.default_rng(5)
     image = rng.uniform(0, 1, (512, 512)).astype(np.float32)
-    write_exr(tmp_path / "a.exr", {c: image for c in "RGB"}, compression=OpenEXR.NO_COMPRESSION)
+    write_exr(tmp_path / "a.exr", dict.fromkeys("RGB", image), compression=OpenEXR.NO_COMPRESSION)
     path = write_lp(tmp_path, "\n".join("%d 0 0 1" % k for k in range(60)))
     stack = brdffit.load_stack(path, images=[tmp_path / "a.exr"] * 60)
     part = 60 * 8 * 512 * 3 * 4
@@ -341,7 +341,7 @@ def test_bands_are_the_whole(texels, turned):
     assert {"certified", "masked", "bad_value"} == {name for name, n in want.counts.items() if n}
     for rows in (1, 7, 20, None):
         moments = []
-        got = stack.fit_map(lobes=1, rows=rows, progress=lambda moment: moments.append(moment))
+        got = stack.fit_map(lobes=1, rows=rows, progress=moments.append)
         for name in ARRAYS:
             assert np.array_equal(getattr(got, name), getattr(want, name), equal_nan=name not in ("status", "stop")), name
         assert got.samples_skipped == want.samples_skipped and got.quantity == "radiance" and got.options == want.options

@@ -183,11 +183,11 @@ def test_broken_files(tmp_path, example, monkeypatch):
     for name in ("absent.h5", "absent.zarr"):
         with pytest.raises(brdffit.FileError, match=name + ": no such file"):
             brdffit.Samples.from_file(tmp_path / name)
-    for module, path, extra in (("h5py", path, "hdf5"), ("zarr", folder, "zarr")):
+    for module, kept, extra in (("h5py", path, "hdf5"), ("zarr", folder, "zarr")):
         monkeypatch.setitem(sys.modules, module, None)
-        path.touch()
+        kept.touch()
         with pytest.raises(brdffit.UnsupportedError, match=r'pip install "brdffit\[%s\]"' % extra):
-            read(path, "hdf5" if extra == "hdf5" else "zarr")
+            read(kept, "hdf5" if extra == "hdf5" else "zarr")
 
 
 def test_report(tmp_path, example):
@@ -239,7 +239,8 @@ def test_the_weights_and_the_mask_of_a_stack(tmp_path):
     light, view = brdffit.protocol84()
     values, weights = rng.uniform(0.5, 1, (84, 2, 3, 3)), rng.uniform(0, 2, 84)
     mask = np.array([[1, 0, np.nan], [1, 2, -1]])
-    stack = brdffit.load_stack(write(tmp_path, "hdf5", {"values": values, "light": light, "view": view, "weights": weights, "mask": mask}))
+    data = {"values": values, "light": light, "view": view, "weights": weights, "mask": mask}
+    stack = brdffit.load_stack(write(tmp_path, "hdf5", data))
     expected = brdffit.fit_map(values, light, view, weights=weights, mask=mask, quantity="radiance")
     assert expected.counts["masked"] == 2
     for maps in (stack.fit_map(), stack.fit_map(rows=1), pickle.loads(pickle.dumps(stack)).fit_map()):

@@ -8,16 +8,16 @@ import struct
 import sys
 import zlib
 
-import harness
 import numpy as np
 import pytest
-from places import SOURCES
 
-import browser
 import brdffit
+import browser
+import harness
 from brdffit import report
 from brdffit.report import _analysis as analysis
 from brdffit.report import _page, _spheres
+from places import SOURCES
 
 FILES = ("two_lobe_satin.csv", "ggx_metal.csv", "matte.csv", "two_lobe_table.binary")
 
@@ -326,9 +326,11 @@ CUT = """[...document.querySelectorAll('svg text')].filter(t => { if (!t.checkVi
 const a = t.getBoundingClientRect(), b = t.closest('figure').getBoundingClientRect();
 return a.left < b.left - 1 || a.right > b.right + 1 || a.top < b.top - 1 || a.bottom > b.bottom + 1 }).map(t => t.textContent)"""
 WIDE = """[...document.querySelectorAll('body *')].filter(e => e instanceof HTMLElement && e.checkVisibility() &&
-!e.closest('.scroll') && e.getBoundingClientRect().right > document.documentElement.clientWidth + 1).map(e => e.tagName + ' ' + e.className)"""
+!e.closest('.scroll') && e.getBoundingClientRect().right > document.documentElement.clientWidth + 1)
+.map(e => e.tagName + ' ' + e.className)"""
 # Tables of which a part hides behind a scroll bar.
-HIDDEN = """[...document.querySelectorAll('.scroll')].filter(e => e.checkVisibility() && e.scrollWidth > e.clientWidth + 1).length"""
+HIDDEN = """[...document.querySelectorAll('.scroll')].filter(e => e.checkVisibility()
+&& e.scrollWidth > e.clientWidth + 1).length"""
 # Luminance of paper and ink, 0 to 255.
 INK = """['backgroundColor', 'color'].map(p => getComputedStyle(document.body)[p].match(/\\d+/g).slice(0, 3)
 .reduce((a, b) => a + b / 3, 0))"""

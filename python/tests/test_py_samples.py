@@ -3,12 +3,12 @@ import gc
 import gzip
 import pickle
 
-import harness
-import model
 import numpy as np
 import pytest
 
 import brdffit
+import harness
+import model
 
 
 def test_the_shipped_example_is_the_goniometers(instruments):
@@ -69,7 +69,10 @@ def test_masks_are_not_dropped():
     """Of a masked array the data would be fitted, masked ones included."""
     light, view = brdffit.protocol84()
     values = np.full((84, 3), 0.5)
-    hidden = lambda array: np.ma.masked_array(array, np.arange(array.size).reshape(array.shape) == 5)
+
+    def hidden(array):
+        return np.ma.masked_array(array, np.arange(array.size).reshape(array.shape) == 5)
+
     for arguments in ((hidden(light), view, values), (light, hidden(view), values), (light, view, hidden(values))):
         with pytest.raises(brdffit.DataError, match="masked entries"):
             brdffit.Samples.from_arrays(*arguments)

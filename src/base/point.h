@@ -4,9 +4,14 @@
 #ifndef BRDFFIT_POINT_H
 #define BRDFFIT_POINT_H
 
-/* The coordinate of each lobe: theta = ln s. */
+#include "brdffit.h"
+
+/* Most sides that a box can have: shape coordinates of all lobes together, one a lobe. */
+#define SIDES_MOST BRDFFIT_MAX_LOBES
+
+/* The coordinate of each side: theta = ln s. */
 struct point {
-    double theta[2];
+    double theta[SIDES_MOST];
 };
 
 #endif

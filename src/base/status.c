@@ -31,7 +31,7 @@ const char *brdffit_status_string(brdffit_status status)
 const char *brdffit_stop_string(brdffit_stop stop)
 {
     static const char *const text[BRDFFIT_STOP_COUNT] = {
-        "relative_gap", "absolute_gap", "resolution", "rounding", "budget", "memory", "cancelled",
+        "relative_gap", "absolute_gap", "resolution", "rounding", "budget", "memory", "cancelled", "contradiction",
     };
     return PICK(text, stop);
 }

@@ -48,9 +48,26 @@
  */
 #define TAIL_EXPONENT 40.0
 
-/* y = y' exp(c_min s) / lambda(s) must be a finite double: c_min s may not exceed this (exp(690) = 1e299, and no
- * lambda that is not s itself is below 1 / (8 pi)). */
-#define LIMIT_EXPONENT 690.0
+/* y = y' exp(c_min s) / lambda(s) must be a finite double: its logarithm may not exceed this (ln DBL_MAX = 709.78; the
+ * rest is for the rounding of c_min s and of the sigma that is published). */
+#define LIMIT_EXPONENT 709.0
+/* Below this exponent exp() and its inverse are ordinary numbers, with room for every scale that goes with them. */
+#define LIMIT_PLAIN_EXPONENT 300.0
+
+/*
+ * E^2 of the model that is published (published.c), in units of u relative to |I| + |a x| + sum |y g| of a row: rows 3,
+ * coefficients back from the data's units 8, lambda exp(-c_min s) 12, shapes 4 and residuals 5. The exponents of shapes
+ * count apart: c' s has 3 u of its own (c - c_min, s, their product), an error of 3 u c' s in the shape.
+ */
+#define TOL_PUBLISHED 32.0
+#define TOL_PUBLISHED_EXPONENT 3.0
+/* Rows by Householder's triangles: 64 rows and the triangle at a time, m x n of them with a backward error, column by
+ * column, of a small constant times m n u (Higham, Accuracy and Stability, theorem 19.4). */
+#define TOL_TRIANGLE 4.0
+
+/* Ends of the range of theta = ln s, in units of u relative to 1 + |theta|: kernel_log within 2 ulp (4 u |theta|), its
+ * rounding, and 3 u in s of sigma^-2. The range that is searched is wider by this on each side. */
+#define TOL_END 8.0
 
 /*
  * Rounding of the moments, in units of u relative to a sum of positive terms (moments.c): 64-sample blocks,
@@ -72,11 +89,17 @@
 /* Evaluation of the restricted gain (gain.h), at most 64, and of the climb over a box (gains.h), in units of u
  * relative to |t|^2. */
 #define TOL_GAIN 128.0
+/* The same for more than three columns (gain_n.h): n^2 u for the factorisation of up to 7, beside multipliers that count as
+ * zero, in units of TOL_GAIN. */
+#define TOL_GAIN_COLUMNS 4.0
 /* Relative inflation of curvature bounds, whose own rounding is about 1e-13 at worst. */
 #define TOL_CURVATURE 1e-10
 
 /* Relative rounding of one lobe value from our exp (arguments to 708) with its slope and tilt: 1e-13 (bound_lp). */
 #define TOL_SHAPE 1e-12
+
+/* Shifts of tau beyond this many |I_k| are no use for a bound, and would take its arithmetic out of range (gains.h). */
+#define LIMIT_SHIFT 1e6
 
 /* Off-diagonals of a Gram matrix are kept this far below 1 (lower is the safe side of a bound). */
 #define LIMIT_COSINE (1.0 - 1e-15)

@@ -16,14 +16,18 @@
 /* Share of the gap that the error of the polynomials may take before those with more terms are used. */
 #define COARSE 0.2
 
+/* Sums of squares from this to its inverse are fitted here. */
+#define LEAST_TOTAL 1e-70
+
 struct tile_state {
     struct ascent ascent;
     double s[BATCH_TILE], e2[BATCH_TILE];      /* of the last evaluation */
     double best[BATCH_TILE], best_s[BATCH_TILE]; /* incumbents */
     double total[BATCH_TILE], rest[BATCH_TILE];  /* sum |I|^2, and less sum omega^2 */
+    double error[BATCH_TILE];                   /* of the incumbent when it is published */
     double level[BATCH_TILE], gamma[BATCH_TILE]; /* what is to be proven: E^2 >= level, no gain above gamma */
     uint64_t left[BATCH_TILE];                  /* windows to bound */
-    unsigned char pending[BATCH_TILE], absolute[BATCH_TILE];
+    unsigned char pending[BATCH_TILE];
 };
 
 /* The window on that side of each texel's best node where the next node is better. */
@@ -187,17 +191,33 @@ static int prove(const struct batch_fast *f, struct batch_tile *tile, struct til
     return proven;
 }
 
+/*
+ * How far the objective of an incumbent at s may be from that of the model in the doubles that are published: residuals
+ * within TOL_PUBLISHED units, here and there, and shapes as in published.c, of which those with an exponent beyond 745
+ * are 0; sums over the samples plainly.
+ */
+static double published_error(const struct batch_fast *f, double s, double e2, double total)
+{
+    double steep = fmin(f->c[f->distinct - 1] * s, 745.0);
+    double unit = TOL_UNIT * (6.0 * TOL_PUBLISHED + TOL_PUBLISHED_EXPONENT * steep);
+
+    return 2.0 * unit * sqrt(e2) * sqrt(total) + unit * unit * total +
+           2.0 * TOL_UNIT * (double)(f->used + f->channels) * e2;
+}
+
 /* What is to be proven of each texel: its incumbent to the gap that is easier. */
 static void set_levels(const struct batch_fast *f, const struct batch_rules *rules, struct tile_state *st)
 {
     size_t l;
 
     for (l = 0; l < LANES; l++) {
-        double relative = st->best[l] / (1.0 + rules->relative_gap) * (1.0 + 8.0 * TOL_UNIT);
-        double absolute = st->best[l] - rules->absolute_gap * st->total[l] * (1.0 - 8.0 * TOL_UNIT);
+        double most, relative, absolute;
 
+        st->error[l] = st->best[l] < INFINITY ? published_error(f, st->best_s[l], st->best[l], st->total[l]) : 0.0;
+        most = st->best[l] + st->error[l];
+        relative = most / (1.0 + rules->relative_gap) * (1.0 + 16.0 * TOL_UNIT);
+        absolute = most * (1.0 + 16.0 * TOL_UNIT) - rules->absolute_gap * st->total[l] * (1.0 - 16.0 * TOL_UNIT);
         st->level[l] = fmin(relative, absolute);
-        st->absolute[l] = absolute < relative;
         st->gamma[l] = st->rest[l] - st->level[l] - f->slack * st->total[l];
     }
 }
@@ -213,9 +233,9 @@ static void certify(const struct batch_fast *f, struct batch_tile *tile, struct 
     }
     st->pending[lane] = 0;
     out->certified = proven > 0;
-    out->absolute = st->absolute[lane];
     out->s = st->best_s[lane];
     out->e2 = st->best[lane];
+    out->error = st->error[lane];
     out->lower_bound = fmax(st->level[lane], 0.0);
     out->total = st->total[lane];
 }
@@ -239,6 +259,8 @@ static void start_tile(const struct batch_fast *f, struct batch_tile *tile, stru
             st->total[l] += tile->ii[k * LANES + l];
             st->rest[l] += tile->ii[k * LANES + l] - omega * omega;
         }
+        /* Weights may take the sum of squares where its products leave the number range: the general path scales it. */
+        st->pending[l] = st->pending[l] && st->total[l] >= LEAST_TOTAL && st->total[l] <= 1.0 / LEAST_TOTAL;
     }
     choose_starts(f, tile, &st->ascent);
     for (l = 0; l < LANES; l++) {

@@ -38,15 +38,18 @@
 #define WINDOW 0.375
 /*
  * Largest c_min s, but for the scale of b: models with finite y, all that a fit looks at (domain.c), lie below,
- * because LIMIT_EXPONENT - ln(|I| / scale_b) + ln(H) / 2 does for all data that tiles take (tile.c: |I| >= 1e-130).
- * What is proven beyond does no harm.
+ * because LIMIT_EXPONENT - ln(|I| / scale_b) + ln(lambda^2 H) / 2 does for all data that tiles take (tile.c: |I| >=
+ * 1e-130, and lambda <= 1e24). What is proven beyond does no harm.
  */
-#define MOST_EXPONENT 1000.0
+#define MOST_EXPONENT 1100.0
 
 int brdffit_batch_fast_possible(const brdffit_options *o)
 {
-    return o->norm == BRDFFIT_NORM_L2 && o->engine == BRDFFIT_ENGINE_MOMENT &&
-           brdffit_lobe_kind_of(o->distribution)->exponential && o->sigma_resolution == 0.0 && o->box_budget >= 1000;
+    struct model model;
+
+    brdffit_model_make(&model, o);
+    return o->norm == BRDFFIT_NORM_L2 && o->engine == BRDFFIT_ENGINE_MOMENT && model_exponential(&model) &&
+           o->sigma_resolution == 0.0 && o->box_budget >= 1000;
 }
 
 static size_t least(size_t a, size_t b)
@@ -96,14 +99,14 @@ void brdffit_batch_tile_layout(struct batch_tile *t, struct arena *arena, size_t
 
 void brdffit_batch_fast_scratch(struct reduced *r, double **values, struct arena *arena, size_t count)
 {
-    brdffit_reduce_layout(r, arena, count, 1);
+    brdffit_reduce_layout(r, arena, count, 1, 1);
     *values = ARENA_DOUBLES(arena, count);
 }
 
 /* What turns a value of sample i, which counts, into radiance. */
 static double radiance_of(const brdffit_samples *geometry, brdffit_distribution distribution, size_t i)
 {
-    struct geometry g = {0.0, 0.0, 0.0, 1.0};
+    struct geometry g = {.cos_light = 1.0};
     brdffit_status status;
 
     if (geometry->quantity == BRDFFIT_QUANTITY_RADIANCE) {
@@ -117,26 +120,27 @@ static double radiance_of(const brdffit_samples *geometry, brdffit_distribution 
 static void keep_samples(struct batch_fast *f, const struct reduced *r, const brdffit_samples *geometry,
                          brdffit_distribution distribution)
 {
+    const struct table *t = &r->table[0];
     size_t place, m = 0;
 
     f->used = r->used;
     f->channels = geometry->channels;
     f->distinct = r->distinct;
     f->root_a = sqrt(r->aa);
-    f->c_min = r->c_min;
+    f->c_min = t->c_min;
     f->scale_a = r->scale_a;
-    f->scale_b = r->scale_b;
+    f->scale_b = t->scale_b;
     f->scale_w = r->scale_w;
     f->slack = TOL_UNIT * (8.0 * (TOL_MOMENT_BASE + (double)r->used) + 2.0 * TOL_GAIN);
     for (place = 0; place < r->used; place++) {
         uint32_t j = r->order[place];
 
-        while (m < r->distinct && r->sample_c[j] - r->c_min > r->c[m]) {
+        while (m < r->distinct && t->sample_c[j] - t->c_min > t->c[m]) {
             f->begin[++m] = (uint32_t)place;
         }
         f->sample[place] = r->sample[j];
         f->a[place] = r->sample_a[j];
-        f->b[place] = r->sample_b[j];
+        f->b[place] = t->sample_b[j];
         f->factor[place] = r->sample_factor[j];
         f->radiance[place] = radiance_of(geometry, distribution, r->sample[j]);
     }
@@ -145,9 +149,9 @@ static void keep_samples(struct batch_fast *f, const struct reduced *r, const br
         f->begin[++m] = (uint32_t)place;
     }
     for (m = 0; m < PADDED(f->distinct); m++) {
-        f->c[m] = r->c[m];
-        f->bb[m] = r->bb[m];
-        f->ab[m] = f->root_a > 0.0 ? r->linear[m] / f->root_a : 0.0;
+        f->c[m] = t->c[m];
+        f->bb[m] = t->bb[m];
+        f->ab[m] = f->root_a > 0.0 ? t->linear[m] / f->root_a : 0.0;
     }
 }
 
@@ -187,29 +191,35 @@ static int fill_tables(struct batch_fast *f, double theta_low, double theta_high
 int brdffit_batch_fast_start(struct batch_fast *f, const brdffit_samples *geometry, const brdffit_options *o,
                              struct reduced *r, double *values)
 {
-    const struct lobe_kind *kind = brdffit_lobe_kind_of(o->distribution);
+    const struct lobe_kind *kind = brdffit_lobe_kind_of(brdffit_model_asked(o, 0));
+    const struct table *table = &r->table[0];
     brdffit_samples samples = *geometry;
+    struct model model;
     double theta_low, theta_high, tail;
     size_t i;
 
     for (i = 0; i < geometry->count; i++) {
         values[i] = 0.0;
     }
+    brdffit_model_make(&model, o);
     samples.values = values;
     samples.channels = 1;
-    if (geometry->channels > MOST_CHANNELS || brdffit_reduce(r, &samples, o, NULL) != BRDFFIT_OK ||
-        r->distinct > MOST_DISTINCT || r->distinct < 2 || r->used > MOST_SAMPLES || !(r->bb[0] > 0.0)) {
+    if (geometry->channels > MOST_CHANNELS || brdffit_reduce(r, &samples, &model, o, NULL) != BRDFFIT_OK ||
+        r->distinct > MOST_DISTINCT || r->distinct < 2 || r->used > MOST_SAMPLES || !(table->bb[0] > 0.0)) {
         return 0;
     }
-    theta_low = kind->by_exponent ? kernel_log(o->exponent_min) : -2.0 * kernel_log(o->sigma_max);
-    theta_high = kind->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min);
-    tail = kind->tail(r->c, r->bb, r->distinct, r->c_min);
+    theta_low = brdffit_fit_outwards(kind->by_exponent ? kernel_log(o->exponent_min) : -2.0 * kernel_log(o->sigma_max),
+                                     -1.0);
+    theta_high = brdffit_fit_outwards(kind->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min),
+                                      1.0);
+    tail = kind->tail(table->c, table->bb, r->distinct, table->c_min);
     if (!(tail > 0.0 && isfinite(tail))) {
         return 0;
     }
     theta_high = fmin(theta_high, kernel_log(tail));
-    if (r->c_min > 0.0) {
-        theta_high = fmin(theta_high, kernel_log((MOST_EXPONENT + fmax(0.0, kernel_log(r->scale_b))) / r->c_min));
+    if (table->c_min > 0.0) {
+        theta_high = fmin(theta_high,
+                          kernel_log((MOST_EXPONENT + fmax(0.0, kernel_log(table->scale_b))) / table->c_min));
     }
     if (!(theta_high > theta_low)) {
         return 0;
@@ -217,8 +227,8 @@ int brdffit_batch_fast_start(struct batch_fast *f, const brdffit_samples *geomet
     f->kind = kind;
     f->nodes = PADDED((size_t)fmin(ceil((theta_high - theta_low) / WINDOW), (double)(MOST_NODES - 1)) + 1);
     f->windows = f->nodes - 1; /* nodes come in blocks: use them all */
-    keep_samples(f, r, geometry, o->distribution);
-    return fill_tables(f, theta_low, theta_high, r->snapped);
+    keep_samples(f, r, geometry, brdffit_model_asked(o, 0));
+    return fill_tables(f, theta_low, theta_high, table->snapped);
 }
 
 const struct batch_kernels *brdffit_batch_kernels(brdffit_isa isa)

@@ -56,8 +56,7 @@ struct batch_fast {
 /* What became of a texel of a tile, in internal units. */
 struct batch_outcome {
     int certified;      /* 0: nothing below is meant, take the general path */
-    int absolute;       /* the absolute gap decided */
-    double s, e2, lower_bound, total;
+    double s, e2, error, lower_bound, total; /* error: how far e2 may be from that of the model that is published */
     size_t boxes, nodes;
 };
 

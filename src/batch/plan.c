@@ -98,7 +98,8 @@ static brdffit_status check_samples(const brdffit_samples *geometry, const brdff
     for (i = 0; i < geometry->count; i++) {
         struct geometry g;
         brdffit_status status;
-        brdffit_skip skip = brdffit_geometry_sample(geometry, options->distribution, min_cosine, i, &g, &status, error);
+        brdffit_skip skip = brdffit_geometry_sample(geometry, brdffit_model_asked(options, 0), min_cosine, i, &g,
+                                                    &status, error);
 
         if (status != BRDFFIT_OK) {
             return status;

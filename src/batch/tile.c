@@ -5,7 +5,9 @@
 #include <math.h>
 
 #include "fit/fit.h"
+#include "fit/verdict.h"
 #include "batch/batch.h"
+#include "base/tolerance.h"
 #include "base/vector.h"
 
 /* Channels whose magnitudes are further from their scale than this, or from 1, take the general path. */
@@ -50,15 +52,15 @@ static void clear_lane(const struct batch_fast *f, struct batch_tile *tile, size
     }
 }
 
+/* The published roughness of s: the options' own end where s is that end to rounding (domain.c), and in their range. */
 static double sigma_of(const brdffit_plan *plan, double s)
 {
     const brdffit_options *o = &plan->options;
-    double sigma = 1.0 / sqrt(s);
+    int by_exponent = plan->fast.kind->by_exponent;
+    double most = by_exponent ? 1.0 / sqrt(o->exponent_min) : o->sigma_max;
+    double least = by_exponent ? 1.0 / sqrt(o->exponent_max) : o->sigma_min, sigma = 1.0 / sqrt(s);
 
-    if (plan->fast.kind->by_exponent) {
-        return s <= plan->fast.s_low ? 1.0 / sqrt(o->exponent_min) : sigma;
-    }
-    return s <= plan->fast.s_low ? o->sigma_max : fmax(fmin(sigma, o->sigma_max), o->sigma_min);
+    return s <= plan->fast.s_low * (1.0 + 1e-13) || sigma > most ? most : sigma < least ? least : sigma;
 }
 
 /* What turns a lane's objective into the caller's units. */
@@ -69,33 +71,49 @@ static double unit_of(const brdffit_plan *plan, const struct batch_tile *tile, s
     return plan->fast.scale_w * (value * value);
 }
 
-/* A certified lane to a result; 0 when a coefficient is beyond any double, which a fit leaves out of its domain. */
+/* The verdict on a lane (verdict.h): what its kernel proved is certified by its final numbers, or not at all. */
+static int judge(const brdffit_plan *plan, const struct batch_outcome *out, double unit, struct batch_result *r)
+{
+    const struct evidence evidence = {out->e2 * unit,           out->error * unit,          out->lower_bound * unit,
+                                      out->total * unit,        plan->options.relative_gap, plan->options.absolute_gap,
+                                      BRDFFIT_STOP_RELATIVE_GAP};
+    struct verdict verdict = brdffit_verdict(&evidence);
+
+    r->status = BRDFFIT_TEXEL_CERTIFIED;
+    r->stop = verdict.stop;
+    r->e2 = evidence.e2;
+    r->lower_bound = verdict.lower_bound;
+    r->sum_of_squares = evidence.total;
+    return verdict.certified;
+}
+
+/*
+ * A certified lane to a result; 0 where a fit's own rules (domain.c, published.c) decide which coefficients there are: near
+ * the end of finite ones, and where one is no ordinary number.
+ */
 static int keep(const brdffit_plan *plan, const struct batch_tile *tile, size_t lane, struct batch_result *r)
 {
     const struct batch_fast *f = &plan->fast;
     const struct batch_outcome *out = &tile->outcome[lane];
     int none = plan->options.normalise == BRDFFIT_NORMALISE_NONE;
-    double unit = unit_of(plan, tile, lane), factor = f->kind->factor(f->c_min, out->s);
+    struct wide factor;
+    double unit = unit_of(plan, tile, lane);
     size_t k;
-    int finite = 1;
+    int finite = f->kind->exponent(f->c_min, out->s) <= LIMIT_PLAIN_EXPONENT && judge(plan, out, unit, r);
 
-    r->status = BRDFFIT_TEXEL_CERTIFIED;
-    r->stop = out->absolute ? BRDFFIT_STOP_ABSOLUTE_GAP : BRDFFIT_STOP_RELATIVE_GAP;
     r->where = BRDFFIT_NONE;
     r->boxes = out->boxes;
     r->nodes = out->nodes;
     r->general = r->one_lobe_enough = 0;
-    r->e2 = out->e2 * unit;
-    r->lower_bound = out->lower_bound * unit;
-    r->sum_of_squares = out->total * unit;
     r->sigma[0] = sigma_of(plan, out->s);
-    for (k = 0; k < f->channels; k++) {
+    factor = brdffit_lobe_factor(f->kind, twofold_inverse_square(r->sigma[0]), f->c_min);
+    for (k = 0; k < f->channels && finite; k++) {
         double scale = tile->scale[k * LANES + lane];
 
         r->x[k] = f->root_a > 0.0 ? tile->x[k * LANES + lane] / f->root_a * scale / f->scale_a : 0.0;
-        r->y[k] = tile->y[k * LANES + lane] * scale / f->scale_b / factor;
+        r->y[k] = wide_value(wide_over(wide_of(tile->y[k * LANES + lane] * scale / f->scale_b), factor));
         r->channel_scale[k] = none ? 1.0 : scale;
-        finite = finite && isfinite(r->x[k]) && isfinite(r->y[k]);
+        finite = (isnormal(r->x[k]) || r->x[k] == 0.0) && (isnormal(r->y[k]) || tile->y[k * LANES + lane] == 0.0);
     }
     return finite;
 }
@@ -164,7 +182,7 @@ static void fit_two(struct batch *batch, size_t l)
 
     brdffit_batch_general(plan, batch, batch->row[l], r);
     if (plan->kernels && batch->tile.outcome[l].certified && r->status <= BRDFFIT_TEXEL_OPEN) {
-        double one = batch->tile.outcome[l].e2 * unit_of(plan, &batch->tile, l);
+        double one = (batch->tile.outcome[l].e2 + batch->tile.outcome[l].error) * unit_of(plan, &batch->tile, l);
 
         r->one_lobe_enough = one <= (1.0 + plan->options.relative_gap) * r->lower_bound ||
                              one - r->lower_bound <= plan->options.absolute_gap * r->sum_of_squares;

@@ -14,79 +14,100 @@ static size_t shape_doubles(size_t stride, uint32_t capacity)
     return stride < LIMIT_SHAPE_DOUBLES / capacity ? stride * capacity : LIMIT_SHAPE_DOUBLES;
 }
 
-void brdffit_moments_layout(struct moments *m, struct arena *arena, size_t count, size_t channels, uint32_t capacity,
-                            int lobes)
+/* Shapes a node keeps: phi, and for lobes that are not exponential x and slope. */
+static size_t kept(const struct lobe_kind *kind)
 {
-    size_t stride = PADDED(count);
-
-    m->capacity = capacity;
-    capacity += 2; /* and the scratch nodes */
-    m->omega = ARENA_DOUBLES(arena, channels);
-    m->norm = ARENA_DOUBLES(arena, channels);
-    m->node = brdffit_arena_take(arena, capacity, sizeof *m->node);
-    m->ready = brdffit_arena_take(arena, capacity, 1);
-    m->cache = lobes > 1 ? brdffit_arena_take(arena, PAIR_CACHE, sizeof *m->cache) : NULL;
-    m->tau_pool = brdffit_arena_take(arena, capacity, channels * sizeof(double));
-    m->functional_pool = brdffit_arena_take(arena, capacity, (1 + 2 * channels) * sizeof(struct functional));
-    m->phi_doubles = shape_doubles(stride, capacity);
-    m->phi_pool = ARENA_DOUBLES(arena, m->phi_doubles);
-    m->scratch = ARENA_DOUBLES(arena, stride > SIZE_MAX / 64 ? SIZE_MAX / 8 : 4 * stride);
+    return kind->exponential ? 1 : 3;
 }
 
-void brdffit_moments_start(struct moments *m, const struct reduced *data, const struct lobe_kind *kind,
-                           const struct kernels *kernels, int lobes)
+static void layout_kind(struct kind_moments *m, struct arena *arena, size_t stride, size_t channels, uint32_t nodes)
+{
+    m->node = brdffit_arena_take(arena, nodes, sizeof *m->node);
+    marks_layout(&m->ready, arena, nodes);
+    m->tau_pool = brdffit_arena_take(arena, nodes, channels * sizeof(double));
+    m->functional_pool = brdffit_arena_take(arena, nodes, (1 + 2 * channels) * sizeof(struct functional));
+    m->phi_doubles = shape_doubles(stride * kept(m->kind), nodes);
+    m->phi_pool = ARENA_DOUBLES(arena, m->phi_doubles);
+}
+
+void brdffit_moments_layout(struct moments *m, struct arena *arena, size_t count, size_t channels, uint32_t capacity,
+                            const struct model *model)
+{
+    size_t stride = PADDED(count);
+    int i;
+
+    m->capacity = capacity;
+    m->kinds = model->kinds;
+    m->omega = ARENA_DOUBLES(arena, channels);
+    m->norm = ARENA_DOUBLES(arena, channels);
+    m->cache = model->lobes > 1 ? brdffit_arena_take(arena, PAIR_CACHE, sizeof *m->cache) : NULL;
+    for (i = 0; i < model->kinds; i++) {
+        m->kind[i].kind = model->kind[i];
+        m->kind[i].geometry = model->geometry[i];
+        layout_kind(&m->kind[i], arena, stride, channels, capacity + SCRATCH_NODES);
+    }
+    m->scratch = ARENA_DOUBLES(arena, stride > SIZE_MAX / 64 ? SIZE_MAX / 8 : 6 * stride);
+}
+
+void brdffit_moments_start(struct moments *m, const struct reduced *data, const struct model *model,
+                           const struct kernels *kernels)
 {
     double root = sqrt(data->aa);
     size_t k;
+    int i;
 
     m->data = data;
-    m->kind = kind;
     m->kernels = kernels;
     m->evaluated = 0;
     m->epsilon = TOL_UNIT * (2.0 * (TOL_MOMENT_BASE + (double)data->stride / LANES));
-    m->exponent_epsilon = 4.0 * TOL_UNIT + 2.0 * data->snapped;
-    m->slack = (TOL_GAIN * TOL_UNIT + m->epsilon) * data->total;
+    m->slack = (TOL_GAIN * (model->columns > 3 ? TOL_GAIN_COLUMNS : 1.0) * TOL_UNIT + m->epsilon) * data->total;
     for (k = 0; k < data->bounded; k++) {
         double factor = data->bound_root[k], along = data->ai[data->bound_channel[k]];
 
         m->norm[k] = factor * sqrt(data->ii[data->bound_channel[k]]);
         m->omega[k] = (data->aa > 0.0 ? factor * along / root : 0.0) + m->epsilon * m->norm[k];
     }
-    memset(m->ready, 0, m->capacity + 2);
-    if (lobes > 1) {
+    for (i = 0; i < m->kinds; i++) {
+        m->kind[i].table = &data->table[m->kind[i].geometry];
+        marks_start(&m->kind[i].ready);
+    }
+    if (m->cache) {
         memset(m->cache, 0xff, PAIR_CACHE * sizeof *m->cache);
     }
 }
 
-const double *brdffit_moments_shape(const struct moments *m, const struct node *node, double *scratch)
+const double *brdffit_moments_shape(const struct moments *m, int kind, const struct node *node, double *scratch)
 {
+    const struct kind_moments *own = &m->kind[kind];
+
     if (node->phi) {
         return node->phi;
     }
-    m->kind->shape(m->kernels, m->data->c, m->data->stride, node->u, scratch);
+    own->kind->shape(m->kernels, own->table->c, m->data->stride, node->u, scratch);
     return scratch;
 }
 
-/* x_j = -ell_j at the node: c' for exponential families, else computed into scratch. */
-static const double *slopes(const struct moments *m, double u, double *scratch)
+const double *brdffit_moments_slopes(const struct moments *m, int kind, const struct node *node, double *scratch,
+                                     const double **slope)
 {
-    size_t j;
-    double slope;
+    const struct kind_moments *own = &m->kind[kind];
+    double *x = node->x ? node->x : scratch;
 
-    if (m->kind->exponential) {
-        return m->data->c;
+    *slope = NULL;
+    if (own->kind->exponential) {
+        return own->table->c;
     }
-    for (j = 0; j < m->data->stride; j++) {
-        m->kind->slope(m->data->c[j], u, &scratch[j], &slope);
-        scratch[j] = -scratch[j];
+    if (!node->x) {
+        own->kind->slopes(m->kernels, own->table->c, m->data->stride, node->u, x, x + m->data->stride);
     }
-    return scratch;
+    *slope = x + m->data->stride;
+    return x;
 }
 
 /* H, mean and central moments. */
-static void own_moments(const struct moments *m, struct node *node, const double *phi, const double *x)
+static void own_moments(const struct moments *m, const double *bb, struct node *node, const double *phi,
+                        const double *x)
 {
-    const double *bb = m->data->bb;
     size_t n = m->data->stride;
     double first, central[3];
 
@@ -104,8 +125,14 @@ static void own_moments(const struct moments *m, struct node *node, const double
     node->m4 = central[2] / node->h;
 }
 
+/* Relative error of an exponent, that of merged c included. */
+static double exponent_epsilon(const struct table *t)
+{
+    return 4.0 * TOL_UNIT + 2.0 * t->snapped;
+}
+
 /* Allowance of the node's sums: the largest mean exponent among them decides (moments.h). */
-static double node_epsilon(const struct moments *m, const struct node *node)
+static double node_epsilon(const struct moments *m, const struct table *t, const struct node *node)
 {
     double largest = 0.0;
     size_t f;
@@ -115,18 +142,18 @@ static double node_epsilon(const struct moments *m, const struct node *node)
 
         largest = w->f1 > largest * w->f0 ? w->f1 / w->f0 : largest;
     }
-    return m->epsilon + m->exponent_epsilon * (node->u * (node->mean + largest));
+    return m->epsilon + exponent_epsilon(t) * (node->u * (node->mean + largest));
 }
 
 /* kappa and tau from the functionals, with the rounding allowance on the safe side. */
-static void projections(const struct moments *m, struct node *node)
+static void projections(const struct moments *m, const struct table *t, struct node *node)
 {
     const struct reduced *data = m->data;
     size_t k, K = data->bounded;
     double inverse = node->root > 0.0 ? 1.0 / node->root : 0.0;
     double kappa = data->aa > 0.0 ? node->functional[0].f0 * inverse / sqrt(data->aa) : 0.0;
 
-    node->epsilon = node_epsilon(m, node);
+    node->epsilon = node_epsilon(m, t, node);
     node->kappa = kappa - node->epsilon;
     for (k = 0; k < K; k++) {
         double v = node->functional[1 + k].f0;
@@ -138,46 +165,71 @@ static void projections(const struct moments *m, struct node *node)
     }
 }
 
-const struct node *brdffit_moments_node(struct moments *m, uint32_t index, double theta)
+/* Where a node keeps its shapes, and these. */
+static void fill_shapes(struct moments *m, struct kind_moments *own, uint32_t index, struct node *node)
 {
-    struct node *node = &m->node[index];
+    size_t stride = m->data->stride, each = stride * kept(own->kind);
+
+    node->phi = (index + (size_t)1) * each <= own->phi_doubles ? own->phi_pool + index * each : NULL;
+    node->x = node->phi && !own->kind->exponential ? node->phi + stride : NULL;
+    if (node->phi) {
+        own->kind->shape(m->kernels, own->table->c, stride, node->u, node->phi);
+    }
+    if (node->x) {
+        own->kind->slopes(m->kernels, own->table->c, stride, node->u, node->x, node->x + stride);
+    }
+}
+
+const struct node *brdffit_moments_node(struct moments *m, int kind, uint32_t index, double theta)
+{
+    struct kind_moments *own = &m->kind[kind];
+    struct node *node = &own->node[index];
     size_t stride = m->data->stride;
+    const double *phi, *x, *slope;
     double u[3];
 
-    if (m->ready[index]) {
+    if (index < m->capacity && marks_set(&own->ready, index)) {
         return node;
     }
-    m->ready[index] = 1;
     m->evaluated++;
-    m->kind->variable(m->data->c_min, theta, u);
+    own->kind->variable(own->table->c_min, theta, u);
     node->u = u[0];
-    node->tau = m->tau_pool + index * m->data->channels;
-    node->functional = m->functional_pool + index * m->data->functionals;
-    node->phi = (index + (size_t)1) * stride <= m->phi_doubles ? m->phi_pool + index * stride : NULL;
-    if (node->phi) {
-        m->kind->shape(m->kernels, m->data->c, stride, node->u, node->phi);
-    }
-    {
-        const double *phi = brdffit_moments_shape(m, node, m->scratch);
-        const double *x = slopes(m, node->u, m->scratch + stride);
-
-        own_moments(m, node, phi, x);
-        m->kernels->functionals(m->data->linear, m->data->functionals, phi, x, node->mean, stride, node->functional);
-    }
-    projections(m, node);
+    node->tau = own->tau_pool + index * m->data->channels;
+    node->functional = own->functional_pool + index * m->data->functionals;
+    fill_shapes(m, own, index, node);
+    phi = brdffit_moments_shape(m, kind, node, m->scratch);
+    x = brdffit_moments_slopes(m, kind, node, m->scratch + stride, &slope);
+    own_moments(m, own->table->bb, node, phi, x);
+    m->kernels->functionals(own->table->linear, m->data->functionals, phi, x, node->mean, stride, node->functional);
+    projections(m, own->table, node);
     return node;
 }
 
+/*
+ * What multiplies the relative error of a lobe's exponents in a cosine with a lobe of another kind: by Cauchy-Schwarz at
+ * most the root mean square exponent. (1 + x)^-2 moves by 2 of it at most.
+ */
+static double spread_exponent(const struct kind_moments *own, const struct node *node)
+{
+    return own->kind->exponential ? node->u * sqrt(node->mean * node->mean + node->m2) : 2.0;
+}
+
 /* Value, mean and variance of the products of two shapes. */
-static void fill_pair(struct moments *m, struct pair *pair)
+void brdffit_moments_fill_pair(struct moments *m, const struct couple *at, struct pair *pair)
 {
     const struct reduced *data = m->data;
-    const struct node *p = &m->node[pair->first], *q = &m->node[pair->second];
-    const double *phi = brdffit_moments_shape(m, p, m->scratch);
-    const double *psi = brdffit_moments_shape(m, q, m->scratch + data->stride);
-    double limit = m->kind->exponential ? PAIR_EXPONENT / (p->u + q->u) : INFINITY, sums[3], exponent;
+    const struct kind_moments *one = &m->kind[at->kind[0]], *two = &m->kind[at->kind[1]];
+    const struct node *p = &one->node[at->node[0]], *q = &two->node[at->node[1]];
+    const double *phi = brdffit_moments_shape(m, at->kind[0], p, m->scratch);
+    const double *psi = brdffit_moments_shape(m, at->kind[1], q, m->scratch + data->stride);
+    const double *w = reduced_cross(data, one->geometry, two->geometry);
+    int exponential = at->kind[0] == at->kind[1] && one->kind->exponential;
+    double limit = exponential ? PAIR_EXPONENT / (p->u + q->u) : INFINITY, sums[3], exponent, error;
 
-    m->kernels->pair(data->bb, phi, psi, data->c, limit, data->stride, sums);
+    pair->kinds = (uint32_t)(at->kind[0] + KINDS_MOST * at->kind[1]);
+    pair->first = at->node[0];
+    pair->second = at->node[1];
+    m->kernels->pair(w, phi, psi, one->table->c, limit, data->stride, sums);
     pair->value = sums[0];
     pair->mean = sums[1];
     pair->variance = sums[2];
@@ -186,32 +238,21 @@ static void fill_pair(struct moments *m, struct pair *pair)
         return;
     }
     /* The nodes allow for their own roots, the last term for the exponents of the pair. */
-    exponent = m->kind->exponential ? pair->mean * (p->u + q->u) : 4.0;
-    pair->mu = pair->value / (p->root * q->root) - fmax(p->epsilon, q->epsilon) - m->exponent_epsilon * exponent;
+    exponent = exponential ? pair->mean * (p->u + q->u) : spread_exponent(one, p) + spread_exponent(two, q);
+    error = fmax(exponent_epsilon(one->table), exponent_epsilon(two->table));
+    pair->mu = pair->value / (p->root * q->root) - fmax(p->epsilon, q->epsilon) - error * exponent;
 }
 
-const struct pair *brdffit_moments_pair(struct moments *m, uint32_t first, uint32_t second)
+const struct node *brdffit_moments_scratch(struct moments *m, int kind, uint32_t slot, double theta)
 {
-    struct pair *pair = &m->cache[(first * 2654435761u ^ second * 40503u) % PAIR_CACHE];
-
-    if (pair->first != first || pair->second != second) {
-        pair->first = first;
-        pair->second = second;
-        fill_pair(m, pair);
-    }
-    return pair;
+    return brdffit_moments_node(m, kind, m->capacity + slot, theta);
 }
 
-const struct node *brdffit_moments_scratch(struct moments *m, uint32_t slot, double theta)
+struct pair brdffit_moments_scratch_pair(struct moments *m, int kind, uint32_t first, uint32_t second)
 {
-    m->ready[m->capacity + slot] = 0;
-    return brdffit_moments_node(m, m->capacity + slot, theta);
-}
+    const struct couple at = {{kind, kind}, {m->capacity + first, m->capacity + second}};
+    struct pair pair;
 
-struct pair brdffit_moments_scratch_pair(struct moments *m)
-{
-    struct pair pair = {.first = m->capacity, .second = m->capacity + 1};
-
-    fill_pair(m, &pair);
+    brdffit_moments_fill_pair(m, &at, &pair);
     return pair;
 }

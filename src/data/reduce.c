@@ -12,37 +12,51 @@
 #include "base/tolerance.h"
 #include "base/vector.h"
 
-void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels)
+static void layout_table(struct table *t, struct arena *arena, size_t count, size_t channels)
 {
-    size_t width = channels + 2;
     size_t stride = PADDED(count);
+
+    t->c = ARENA_DOUBLES(arena, stride);
+    t->bb = ARENA_DOUBLES(arena, stride);
+    t->concentration = ARENA_DOUBLES(arena, stride);
+    t->linear = brdffit_arena_take(arena, stride, (1 + 2 * channels) * sizeof(double));
+    t->row_b = ARENA_DOUBLES(arena, count);
+    t->sample_b = ARENA_DOUBLES(arena, count);
+    t->sample_c = ARENA_DOUBLES(arena, count);
+}
+
+void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels, int geometries)
+{
+    size_t width = channels + 1 + (size_t)geometries;
+    int g, h;
 
     if (channels > SIZE_MAX / 64 || count > UINT32_MAX || width > SIZE_MAX / 8 / (width + REDUCE_BLOCK)) {
         arena->failed = 1;
         return;
     }
     reduced->channels = channels;
-    reduced->c = ARENA_DOUBLES(arena, stride);
-    reduced->bb = ARENA_DOUBLES(arena, stride);
-    reduced->concentration = ARENA_DOUBLES(arena, stride);
-    reduced->linear = brdffit_arena_take(arena, stride, (1 + 2 * channels) * sizeof(double));
+    reduced->geometries = geometries;
+    for (g = 0; g < geometries; g++) {
+        layout_table(&reduced->table[g], arena, count, channels);
+        for (h = 0; h < g; h++) {
+            reduced->cross[g * (g - 1) / 2 + h] = ARENA_DOUBLES(arena, PADDED(count));
+        }
+    }
     reduced->bound_channel = brdffit_arena_take(arena, channels, sizeof *reduced->bound_channel);
     reduced->bound_root = ARENA_DOUBLES(arena, channels);
     reduced->ai = ARENA_DOUBLES(arena, channels);
     reduced->ii = ARENA_DOUBLES(arena, channels);
     reduced->channel_scale = ARENA_DOUBLES(arena, channels);
     reduced->row_a = ARENA_DOUBLES(arena, count);
-    reduced->row_b = ARENA_DOUBLES(arena, count);
     reduced->row_value = brdffit_arena_take(arena, count, channels * sizeof(double));
     reduced->row_c = brdffit_arena_take(arena, count, sizeof(uint32_t));
     reduced->row_square = ARENA_DOUBLES(arena, count);
     reduced->sample_a = ARENA_DOUBLES(arena, count);
-    reduced->sample_b = ARENA_DOUBLES(arena, count);
-    reduced->sample_c = ARENA_DOUBLES(arena, count);
     reduced->sample_factor = ARENA_DOUBLES(arena, count);
     reduced->sample = brdffit_arena_take(arena, count, sizeof(uint32_t));
     reduced->order = brdffit_arena_take(arena, count, sizeof(uint32_t));
     reduced->merge = brdffit_arena_take(arena, count, sizeof(uint32_t));
+    reduced->begin = brdffit_arena_take(arena, count + 1, sizeof(uint32_t));
     reduced->block = ARENA_DOUBLES(arena, width * (width + REDUCE_BLOCK));
 }
 
@@ -65,9 +79,25 @@ static brdffit_status check_values(struct reduced *r, const brdffit_samples *s, 
     return BRDFFIT_OK;
 }
 
+/* b and c of a sample that counts, in the geometries beyond the first. */
+static void keep_more(struct reduced *r, const brdffit_samples *s, const struct model *model,
+                      const struct geometry *first)
+{
+    struct geometry g = *first;
+    int t;
+
+    for (t = 1; t < r->geometries; t++) {
+        if (s->form != BRDFFIT_FORM_COEFFICIENTS) {
+            model->kind[model->shown_by[t]]->row(&first->angles, &g);
+        }
+        r->table[t].sample_b[r->used] = g.b;
+        r->table[t].sample_c[r->used] = g.c;
+    }
+}
+
 /* First pass: (a, b, c) of every sample that counts, in sample_*; the number of used and skipped ones. */
-static brdffit_status classify(struct reduced *r, const brdffit_samples *s, const brdffit_options *options,
-                               brdffit_error *error)
+static brdffit_status classify(struct reduced *r, const brdffit_samples *s, const struct model *model,
+                               const brdffit_options *options, brdffit_error *error)
 {
     double min_cosine = brdffit_geometry_min_cosine(options->max_incidence);
     size_t i, k;
@@ -81,9 +111,9 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
         r->ii[k] = 0.0;
     }
     for (i = 0; i < s->count; i++) {
-        struct geometry g = {0.0, 0.0, 0.0, 0.0};
+        struct geometry g;
         brdffit_status status;
-        brdffit_skip skip = brdffit_geometry_sample(s, options->distribution, min_cosine, i, &g, &status, error);
+        brdffit_skip skip = brdffit_geometry_sample(s, model->distribution[0], min_cosine, i, &g, &status, error);
 
         if (status != BRDFFIT_OK) {
             return status;
@@ -92,18 +122,18 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
             r->skipped[skip]++;
             continue;
         }
-        if (s->quantity == BRDFFIT_QUANTITY_RADIANCE) {
-            g.cos_light = 1.0;
+        r->sample[r->used] = (uint32_t)i;
+        r->sample_a[r->used] = g.a;
+        r->table[0].sample_b[r->used] = g.b;
+        r->table[0].sample_c[r->used] = g.c;
+        if (r->geometries > 1) {
+            keep_more(r, s, model, &g);
         }
-        status = check_values(r, s, i, g.cos_light, error);
+        r->sample_factor[r->used] = s->quantity == BRDFFIT_QUANTITY_RADIANCE ? 1.0 : g.cos_light;
+        status = check_values(r, s, i, r->sample_factor[r->used], error);
         if (status != BRDFFIT_OK) {
             return status;
         }
-        r->sample[r->used] = (uint32_t)i;
-        r->sample_a[r->used] = g.a;
-        r->sample_b[r->used] = g.b;
-        r->sample_c[r->used] = g.c;
-        r->sample_factor[r->used] = g.cos_light;
         r->used++;
     }
     return r->used ? BRDFFIT_OK : brdffit_fail(error, BRDFFIT_ERR_NO_SAMPLES, "every sample was skipped");
@@ -137,55 +167,160 @@ brdffit_status brdffit_reduce_channel_scales(struct reduced *r, const brdffit_op
     return BRDFFIT_OK;
 }
 
-/* What a sample of weight w (relative to scale_w) is multiplied by. */
-static double root_of(double w, brdffit_norm norm)
+/* What a sample of weight w is multiplied by. A subnormal w has a root with all its digits, and w / scale_w has not. */
+static double root_of(double w, double scale_w, brdffit_norm norm)
 {
-    return norm == BRDFFIT_NORM_LINF ? 1.0 : norm == BRDFFIT_NORM_L1 ? w : sqrt(w);
+    return norm == BRDFFIT_NORM_LINF ? 1.0 : norm == BRDFFIT_NORM_L1 ? w / scale_w : sqrt(w) / sqrt(scale_w);
 }
 
-/* Scales of a, b and w; sample_a, sample_b and sample_factor get their final, weighted values. */
-static brdffit_status choose_scales(struct reduced *r, const brdffit_samples *s, brdffit_norm norm,
-                                    brdffit_error *error)
+/* A power of four near the largest weight, so that its root is a power of two; weights of at most 1 stay what they are. */
+static double weight_scale(double largest)
 {
-    double largest_a = 0.0, largest_b = 0.0, largest_w = s->weights ? 0.0 : 1.0;
+    int exponent;
+
+    if (largest > 0.25 && largest <= 1.0) {
+        return 1.0;
+    }
+    (void)frexp(power_of_two(largest), &exponent);
+    exponent -= 1; /* of the power of two itself */
+    return ldexp(1.0, exponent + (exponent % 2 != 0));
+}
+
+/* Divide v by a power of two that brings its largest entry to about 1; *scale takes it up, as far as a double holds it. */
+static void bring_to_one(double *v, size_t n, double *scale)
+{
+    double power = power_of_two(vector_largest(v, n));
     size_t j;
 
-    for (j = 0; j < r->used; j++) {
-        largest_a = larger(largest_a, r->sample_a[j]);
-        largest_b = larger(largest_b, r->sample_b[j]);
-        if (s->weights) {
-            largest_w = larger(largest_w, s->weights[r->sample[j]]);
-        }
+    while (!(isnormal(*scale * power) && isnormal(1.0 / (*scale * power)))) {
+        power = power < 1.0 ? 2.0 * power : 0.5 * power;
     }
-    r->scale_a = power_of_two(largest_a);
-    r->scale_b = power_of_two(largest_b);
-    r->scale_w = s->weights ? power_of_two(largest_w) : 1.0;
-    for (j = 0; j < r->used; j++) {
-        double root = s->weights ? root_of(s->weights[r->sample[j]] / r->scale_w, norm) : 1.0;
-        double b = r->sample_b[j] / r->scale_b * root;
+    for (j = 0; j < n && power != 1.0; j++) {
+        v[j] /= power;
+    }
+    *scale *= power;
+}
 
-        if (r->sample_b[j] > 0.0 && !(b * LIMIT_COEFFICIENT_RATIO >= 1.0)) {
-            return brdffit_fail_at(error, "b (with its weight) spans more than 140 orders of magnitude", r->sample[j],
-                                   BRDFFIT_NONE, r->sample_b[j]);
+/* v times the root of each sample's weight, brought to about 1 before (so that nothing overflows) and after. */
+static void weigh(const struct reduced *r, double *v, const double *root, double *scale)
+{
+    size_t j;
+
+    *scale = 1.0;
+    bring_to_one(v, r->used, scale);
+    if (root) {
+        for (j = 0; j < r->used; j++) {
+            v[j] *= root[j];
         }
-        r->sample_a[j] = r->sample_a[j] / r->scale_a * root;
-        r->sample_b[j] = b;
-        r->sample_factor[j] *= root;
-        if (b == 0.0) {
-            r->sample_c[j] = INFINITY; /* no lobe here, so c means nothing: sort it last */
+        bring_to_one(v, r->used, scale);
+    }
+}
+
+static brdffit_status finish_table(const struct reduced *r, struct table *t, const double *root, brdffit_error *error)
+{
+    size_t j;
+
+    weigh(r, t->sample_b, root, &t->scale_b);
+    t->snapped = 0.0;
+    for (j = 0; j < r->used; j++) {
+        if (t->sample_b[j] > 0.0 && !(t->sample_b[j] * LIMIT_COEFFICIENT_RATIO >= 1.0)) {
+            return brdffit_fail_at(error, "b (with its weight) spans more than 140 orders of magnitude", r->sample[j],
+                                   BRDFFIT_NONE, t->sample_b[j] * t->scale_b);
+        }
+        if (t->sample_b[j] == 0.0) {
+            t->sample_c[j] = INFINITY; /* no lobe here, so c means nothing: sort it last */
         }
     }
     return BRDFFIT_OK;
 }
 
-static int not_after(const double *c, uint32_t p, uint32_t q)
+/* Roots of the weights over scale_w, or NULL; in the scratch of the rows. */
+static const double *roots_of(struct reduced *r, const brdffit_samples *s, brdffit_norm norm)
 {
-    return c[p] < c[q] || (c[p] == c[q] && p < q);
+    double *root = r->row_square;
+    size_t j;
+
+    r->scale_w = 1.0;
+    if (!s->weights) {
+        return NULL;
+    }
+    for (j = 0; j < r->used; j++) {
+        root[j] = s->weights[r->sample[j]];
+    }
+    r->scale_w = weight_scale(vector_largest(root, r->used));
+    for (j = 0; j < r->used; j++) {
+        root[j] = root_of(root[j], r->scale_w, norm);
+        r->sample_factor[j] *= root[j];
+    }
+    return root;
+}
+
+/* Largest magnitude of a value in internal units so far. */
+static double largest_value(const struct reduced *r, const brdffit_samples *s)
+{
+    double largest = 0.0;
+    size_t j, k;
+
+    for (k = 0; k < r->channels; k++) {
+        if (!s->weights) {
+            largest = larger(largest, r->ii[k] / r->channel_scale[k]);
+        }
+        for (j = 0; j < r->used && s->weights; j++) {
+            largest = larger(largest, fabs(brdffit_reduce_value(r, s, (uint32_t)j, k)));
+        }
+    }
+    return largest;
+}
+
+void brdffit_reduce_value_scale(struct reduced *r, double magnitude)
+{
+    r->value_scale = magnitude >= 0.5 && magnitude <= 1.0 ? 1.0 : power_of_two(magnitude);
+}
+
+/* Scales of a, b, w and values; sample_a, sample_b and sample_factor get their final, weighted values. */
+static brdffit_status choose_scales(struct reduced *r, const brdffit_samples *s, brdffit_norm norm,
+                                    brdffit_error *error)
+{
+    const double *root = roots_of(r, s, norm);
+    brdffit_status status = BRDFFIT_OK;
+    size_t j;
+    int g;
+
+    weigh(r, r->sample_a, root, &r->scale_a);
+    for (g = 0; g < r->geometries && status == BRDFFIT_OK; g++) {
+        status = finish_table(r, &r->table[g], root, error);
+    }
+    brdffit_reduce_value_scale(r, largest_value(r, s));
+    for (j = 0; j < r->used && r->value_scale != 1.0; j++) {
+        r->sample_factor[j] /= r->value_scale;
+    }
+    return status;
+}
+
+/* Beyond geometry 0, whose c agree. */
+static int not_after_beyond(const struct reduced *r, uint32_t p, uint32_t q)
+{
+    int g;
+
+    for (g = 1; g < r->geometries; g++) {
+        const double *c = r->table[g].sample_c;
+
+        if (c[p] != c[q]) {
+            return c[p] < c[q];
+        }
+    }
+    return p < q;
+}
+
+static inline int not_after(const struct reduced *r, const double *c, uint32_t p, uint32_t q)
+{
+    return c[p] < c[q] || (c[p] == c[q] && not_after_beyond(r, p, q));
 }
 
 /* Order by c, then by index: bottom-up merge sort that starts from runs already ascending (a MERL table is one). */
 void brdffit_reduce_sort(struct reduced *r)
 {
+    const double *c = r->table[0].sample_c;
     uint32_t *from = r->order, *to = r->merge;
     size_t n = r->used, begin, i;
     int merged = 1;
@@ -198,16 +333,16 @@ void brdffit_reduce_sort(struct reduced *r)
         for (begin = 0; begin < n;) {
             size_t middle = begin + 1, end, left = begin, right, out = begin;
 
-            while (middle < n && not_after(r->sample_c, from[middle - 1], from[middle])) {
+            while (middle < n && not_after(r, c, from[middle - 1], from[middle])) {
                 middle++;
             }
             end = middle < n ? middle + 1 : n;
-            while (end < n && not_after(r->sample_c, from[end - 1], from[end])) {
+            while (end < n && not_after(r, c, from[end - 1], from[end])) {
                 end++;
             }
             merged = merged || middle < n;
             for (right = middle; out < end; out++) {
-                int take_left = left < middle && (right == end || not_after(r->sample_c, from[left], from[right]));
+                int take_left = left < middle && (right == end || not_after(r, c, from[left], from[right]));
 
                 to[out] = take_left ? from[left++] : from[right++];
             }
@@ -220,6 +355,39 @@ void brdffit_reduce_sort(struct reduced *r)
     }
 }
 
+/* Snap the c of one geometry among samples that agree in those before it. */
+static void snap_table(struct reduced *r, int g)
+{
+    struct table *t = &r->table[g];
+    double low = INFINITY, first = INFINITY;
+    size_t i, place;
+    int h;
+
+    if (g == 0) {
+        low = t->sample_c[r->order[0]];
+    }
+    for (i = 0; i < r->used && g > 0; i++) {
+        low = smaller(low, t->sample_c[i]);
+    }
+    for (place = 0; place < r->used; place++) {
+        double *c = &t->sample_c[r->order[place]], change = *c - first;
+        double reach = (2.0 * sqrt(first) * (1.0 + first) + TOL_ANGLE) * TOL_ANGLE;
+        int together = place > 0 && change <= reach && (first == low || change <= TOL_SNAP * (first - low));
+
+        for (h = 0; h < g && together; h++) {
+            const double *other = r->table[h].sample_c;
+
+            together = other[r->order[place]] == other[r->order[place - 1]];
+        }
+        if (!together) {
+            first = *c;
+        } else {
+            t->snapped = first == low ? t->snapped : larger(t->snapped, change / (first - low));
+            *c = first;
+        }
+    }
+}
+
 /*
  * Half-vector angles within TOL_ANGLE are one angle: mirror images of a direction differ in the last bits, and their
  * sums merge once they have one c. The change relative to c - c_min is kept, for the moments to allow for; samples
@@ -227,26 +395,23 @@ void brdffit_reduce_sort(struct reduced *r)
  */
 void brdffit_reduce_snap(struct reduced *r)
 {
-    double low = r->sample_c[r->order[0]], first = low;
-    size_t i;
+    int g;
 
-    for (i = 1; i < r->used; i++) {
-        double *c = &r->sample_c[r->order[i]], change = *c - first;
-        double reach = (2.0 * sqrt(first) * (1.0 + first) + TOL_ANGLE) * TOL_ANGLE;
-
-        if (!(change <= reach && (first == low || change <= TOL_SNAP * (first - low)))) {
-            first = *c;
-        } else {
-            r->snapped = first == low ? r->snapped : larger(r->snapped, change / (first - low));
-            *c = first;
+    for (g = 0; g < r->geometries; g++) {
+        if (g > 0) {
+            brdffit_reduce_sort(r);
         }
+        snap_table(r, g);
+    }
+    if (r->geometries > 1) {
+        brdffit_reduce_sort(r);
     }
 }
 
-brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples, const brdffit_options *options,
-                              brdffit_error *error)
+brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples, const struct model *model,
+                              const brdffit_options *options, brdffit_error *error)
 {
-    brdffit_status status = classify(reduced, samples, options, error);
+    brdffit_status status = classify(reduced, samples, model, options, error);
 
     if (status == BRDFFIT_OK) {
         status = brdffit_reduce_channel_scales(reduced, options, error);
@@ -256,7 +421,6 @@ brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *sa
     }
     if (status == BRDFFIT_OK) {
         brdffit_reduce_sort(reduced);
-        reduced->snapped = 0.0;
         reduced->counted = reduced->used;
         if (samples->form == BRDFFIT_FORM_DIRECTIONS) {
             brdffit_reduce_snap(reduced);

@@ -12,24 +12,40 @@
 #include "base/arena.h"
 #include "brdffit.h"
 #include "base/lanes.h"
+#include "model/model.h"
 
 /*
  * Norm l1 minimises sum w |r| and linf the largest |r| where w > 0, so their samples are multiplied by w and by 1
  * instead of sqrt(w): read "w" below as the square of that factor. weight_sum and row_square know the true w.
  *
- * Internal units: a / scale_a, b / scale_b, w / scale_w and values / channel_scale, the first three scales
- * powers of two, so that nothing is rounded by them. Sums over the samples of one distinct c:
+ * Internal units: a / scale_a, b / scale_b, w / scale_w and values / (channel_scale value_scale), all but channel_scale
+ * powers of two, so that nothing is rounded by them. The largest a, b and value, weights included, are about 1, and so is
+ * the sum of squares but for the number of samples: gains and their squares stay far from the ends of the number range.
  */
-struct reduced {
-    size_t channels;   /* K */
-    size_t distinct;   /* M distinct c */
-    size_t stride;     /* PADDED(M): distance of two rows of the arrays below */
+
+/* What one geometry (a row of b and c, model.h) makes of the samples. Sums over the samples of one group: */
+struct table {
     double c_min;
-    double snapped;    /* largest relative change of c - c_min by merging */
-    double *c;         /* c - c_min, ascending */
-    double *bb;        /* sum w b^2 */
+    double snapped;        /* largest relative change of c - c_min by merging */
+    double scale_b;
+    double *c;             /* c - c_min; of geometry 0 ascending and distinct */
+    double *bb;            /* sum w b^2 */
     double *concentration; /* sum w^2 b^4 / bb^2, for the effective number of samples */
-    double *linear;    /* functionals x stride: see below */
+    double *linear;        /* functionals x stride: see below */
+    double *row_b;         /* R */
+    double *sample_b, *sample_c; /* scratch while reducing: used */
+};
+
+/* Pairs of different geometries. */
+#define CROSSES_MOST (KINDS_MOST * (KINDS_MOST - 1) / 2)
+
+struct reduced {
+    size_t channels;    /* K */
+    size_t distinct;    /* M groups: samples that agree in the c of every geometry */
+    size_t stride;      /* PADDED(M): distance of two rows of the arrays by group */
+    int geometries;
+    struct table table[KINDS_MOST];
+    double *cross[CROSSES_MOST]; /* sum w b b' of two geometries: reduced_cross() */
     size_t functionals; /* 1 + B, or 1 + 2 B when some value is negative */
     size_t bounded;     /* B <= K: channels that bounds look at, without zero ones and with identical ones merged */
     size_t *bound_channel; /* B: each one's channel (the first of identical ones) */
@@ -42,29 +58,40 @@ struct reduced {
     double weight_sum; /* sum w */
 
     size_t rows;       /* R <= N rows of the vector form; norms other than l2: every used sample is a row */
-    double *row_a, *row_b;
+    double *row_a;
     double *row_value; /* K x used, the first R of each */
-    uint32_t *row_c;   /* R: index of its distinct c */
+    uint32_t *row_c;   /* R: index of its group */
     double *row_square; /* R: what a row's squared residual counts for in sum w r^2; 1 unless the norm is not l2 */
 
-    double scale_a, scale_b, scale_w;
-    double *channel_scale; /* K: what values are divided by inside */
+    double scale_a, scale_w, value_scale;
+    double *channel_scale; /* K: what values are divided by inside, before value_scale */
     size_t used;       /* samples reduced; distance of two channels of row_value */
     size_t counted;    /* samples that the result says were used: the same, unless they came as sums */
     size_t skipped[BRDFFIT_SKIP_COUNT];
 
     /* scratch while reducing */
-    double *sample_a, *sample_b, *sample_c, *sample_factor; /* used: factor = root of w times f_r to radiance */
+    double *sample_a, *sample_factor; /* used: factor = root of w times f_r to radiance */
     uint32_t *sample, *order, *merge;
+    uint32_t *begin; /* place in `order` where each group begins, and one past the last */
+    size_t groups;   /* `distinct` ones with a lobe, then those without */
     double *block;
 };
 
 /* linear + f * stride, f = 0: sum w a b; f = 1 + k: sum w max(I_k, 0) b; f = 1 + B + k: sum w max(-I_k, 0) b; k < B */
 
-void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels);
+/* sum w b b' of two geometries by group; of one with itself, its bb. */
+static inline const double *reduced_cross(const struct reduced *r, int g, int h)
+{
+    if (g == h) {
+        return r->table[g].bb;
+    }
+    return r->cross[g < h ? h * (h - 1) / 2 + g : g * (g - 1) / 2 + h];
+}
 
-brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples, const brdffit_options *options,
-                              brdffit_error *error);
+void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels, int geometries);
+
+brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples, const struct model *model,
+                              const brdffit_options *options, brdffit_error *error);
 
 /* Leave to the bounds only the channels that they need. `linear` is changed in place: once after each reduction. */
 void brdffit_reduce_channels(struct reduced *reduced);

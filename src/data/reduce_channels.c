@@ -18,11 +18,16 @@ static int same_row(const double *p, const double *q, size_t n)
 /* Whether channels k and l have the same sums; `negative`: their negative parts are there. */
 static int same_sums(const struct reduced *r, size_t k, size_t l, int negative)
 {
-    const double *linear = r->linear + r->stride;
     size_t n = r->stride, K = r->channels;
+    int g, same = r->ai[k] == r->ai[l] && r->ii[k] == r->ii[l];
 
-    return r->ai[k] == r->ai[l] && r->ii[k] == r->ii[l] && same_row(linear + k * n, linear + l * n, n) &&
-           (!negative || same_row(linear + (K + k) * n, linear + (K + l) * n, n));
+    for (g = 0; g < r->geometries && same; g++) {
+        const double *linear = r->table[g].linear + r->stride;
+
+        same = same_row(linear + k * n, linear + l * n, n) &&
+               (!negative || same_row(linear + (K + k) * n, linear + (K + l) * n, n));
+    }
+    return same;
 }
 
 /* Place of channel k's twin among those kept, or their number. */
@@ -39,9 +44,14 @@ static size_t twin(const struct reduced *r, size_t k, int negative)
 static void move_row(struct reduced *r, size_t from, size_t to, double factor)
 {
     size_t j;
+    int g;
 
-    for (j = 0; j < r->stride; j++) {
-        r->linear[to * r->stride + j] = factor * r->linear[from * r->stride + j];
+    for (g = 0; g < r->geometries; g++) {
+        double *linear = r->table[g].linear;
+
+        for (j = 0; j < r->stride; j++) {
+            linear[to * r->stride + j] = factor * linear[from * r->stride + j];
+        }
     }
 }
 

@@ -2,7 +2,7 @@
  * Rows of the vector form. SPDX-License-Identifier: MIT
  *
  * Samples of one c all have g_i = b_i phi(s, c), so their residual norm is |B (x, Y, -1)| with the n x (2 + K)
- * matrix B = [a b I_1 .. I_K] and Y = sum_p y_p phi(s_p, c). Where n exceeds 2 + K by far, the triangle of B's QR
+ * matrix B = [a b I_1 .. I_K] and Y = sum_p y_p phi(s_p, c) (with several geometries a b and a Y of each). Where n exceeds 2 + K by far, the triangle of B's QR
  * factorisation gives the same norm for every x and Y in 2 + K rows: a table of a million cells becomes a few
  * hundred rows, backward stably (Householder, REDUCE_BLOCK samples at a time). Rows made this way may be
  * negative; the vector form does not care. Other norms are not invariant under rotation: theirs are the samples.
@@ -13,22 +13,18 @@
 
 #include "base/vector.h"
 
-double brdffit_reduce_value(const struct reduced *r, const brdffit_samples *samples, uint32_t j, size_t k)
-{
-    double value = samples->values[(size_t)r->sample[j] * samples->channels + k];
-
-    return value / r->channel_scale[k] * r->sample_factor[j]; /* in this order, subnormal data keep their bits */
-}
-
 /* A triangle costs about as much as a dozen evaluations of the rows that it saves: only large groups pay it back. */
 #define WORTHWHILE 4
 
 static void raw_row(struct reduced *r, const brdffit_samples *samples, uint32_t j, uint32_t group)
 {
     size_t k, row = r->rows++;
+    int g;
 
     r->row_a[row] = r->sample_a[j];
-    r->row_b[row] = r->sample_b[j];
+    for (g = 0; g < r->geometries; g++) {
+        r->table[g].row_b[row] = r->table[g].sample_b[j];
+    }
     r->row_c[row] = group;
     r->row_square[row] = 1.0;
     for (k = 0; k < r->channels; k++) {
@@ -108,19 +104,28 @@ static void reflect(double *m, size_t rows, size_t width, size_t at)
     }
 }
 
+/* Columns of B. */
+static size_t row_width(const struct reduced *r)
+{
+    return r->channels + 1 + (size_t)r->geometries;
+}
+
 /* The top `width` rows of r->block hold the triangle so far; append places begin .. end - 1 and triangularise. */
 static void fold(struct reduced *r, const brdffit_samples *samples, size_t begin, size_t end)
 {
-    size_t width = r->channels + 2, rows = width + (end - begin), place, k;
+    size_t width = row_width(r), rows = width + (end - begin), place, k;
+    int g;
 
     for (place = begin; place < end; place++) {
         uint32_t j = r->order[place];
         double *row = r->block + (width + place - begin) * width;
 
-        row[0] = r->sample_a[j];
-        row[1] = r->sample_b[j];
+        *row++ = r->sample_a[j];
+        for (g = 0; g < r->geometries; g++) {
+            *row++ = r->table[g].sample_b[j];
+        }
         for (k = 0; k < r->channels; k++) {
-            row[2 + k] = brdffit_reduce_value(r, samples, j, k);
+            *row++ = brdffit_reduce_value(r, samples, j, k);
         }
     }
     for (k = 0; k < width; k++) {
@@ -130,7 +135,8 @@ static void fold(struct reduced *r, const brdffit_samples *samples, size_t begin
 
 static void triangle_rows(struct reduced *r, const brdffit_samples *samples, size_t begin, size_t end, uint32_t group)
 {
-    size_t width = r->channels + 2, place, i, k;
+    size_t width = row_width(r), place, i, k;
+    int g;
 
     for (i = 0; i < width * width; i++) {
         r->block[i] = 0.0;
@@ -140,34 +146,36 @@ static void triangle_rows(struct reduced *r, const brdffit_samples *samples, siz
     }
     for (i = 0; i < width; i++) {
         size_t row = r->rows++;
+        const double *from = r->block + i * width;
 
-        r->row_a[row] = r->block[i * width];
-        r->row_b[row] = r->block[i * width + 1];
+        r->row_a[row] = *from++;
+        for (g = 0; g < r->geometries; g++) {
+            r->table[g].row_b[row] = *from++;
+        }
         r->row_c[row] = group;
         r->row_square[row] = 1.0;
         for (k = 0; k < r->channels; k++) {
-            r->row_value[k * r->used + row] = r->block[i * width + 2 + k];
+            r->row_value[k * r->used + row] = from[k];
         }
     }
 }
 
 void brdffit_reduce_rows(struct reduced *r, const brdffit_samples *samples, brdffit_norm norm)
 {
-    size_t place, end;
-    uint32_t group = 0;
+    size_t group, place;
 
     r->rows = 0;
-    for (place = 0; place < r->used; place = end, group++) {
-        /* Samples without a lobe come last; their b is 0, so any group does. */
-        uint32_t index = group < r->distinct ? group : 0;
+    for (group = 0; group < r->groups; group++) {
+        size_t begin = r->begin[group], end = r->begin[group + 1];
+        /* Samples without a lobe: their b is 0, so any group does. */
+        uint32_t index = group < r->distinct ? (uint32_t)group : 0;
 
-        end = brdffit_reduce_group_end(r, place);
         if (norm != BRDFFIT_NORM_L2) {
-            sample_rows(r, samples, place, end, index, norm);
-        } else if (end - place > WORTHWHILE * (r->channels + 2)) {
-            triangle_rows(r, samples, place, end, index);
+            sample_rows(r, samples, begin, end, index, norm);
+        } else if (end - begin > WORTHWHILE * row_width(r)) {
+            triangle_rows(r, samples, begin, end, index);
         } else {
-            for (; place < end; place++) {
+            for (place = begin; place < end; place++) {
                 raw_row(r, samples, r->order[place], index);
             }
         }

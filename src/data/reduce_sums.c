@@ -30,23 +30,13 @@ static double value_of(const struct sum *s)
     return s->high + s->low;
 }
 
-size_t brdffit_reduce_group_end(const struct reduced *r, size_t begin)
-{
-    double c = r->sample_c[r->order[begin]];
-    size_t end = begin + 1;
-
-    while (end < r->used && r->sample_c[r->order[end]] == c) {
-        end++;
-    }
-    return end;
-}
-
-/* Products of geometry over places begin .. end - 1. b4 is relative to the largest b: it cannot underflow. */
+/* Products of a and b of one geometry over places begin .. end - 1. b4 is relative to the largest b: it cannot underflow. */
 struct geometry_sums {
     struct sum aa, bb, b4, ab;
 };
 
-static struct geometry_sums geometry_sums(const struct reduced *r, size_t begin, size_t end, double largest_b)
+static struct geometry_sums geometry_sums(const struct reduced *r, const struct table *t, size_t begin, size_t end,
+                                          double largest_b)
 {
     struct geometry_sums s = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
     double inverse = largest_b > 0.0 ? 1.0 / largest_b : 0.0;
@@ -58,7 +48,7 @@ static struct geometry_sums geometry_sums(const struct reduced *r, size_t begin,
 
         for (; place < stop; place++) {
             uint32_t j = r->order[place];
-            double a = r->sample_a[j], b = r->sample_b[j], relative = b * inverse;
+            double a = r->sample_a[j], b = t->sample_b[j], relative = b * inverse;
 
             aa += a * a;
             bb += b * b;
@@ -73,12 +63,31 @@ static struct geometry_sums geometry_sums(const struct reduced *r, size_t begin,
     return s;
 }
 
+/* u.v over places begin .. end - 1. */
+static double product_sum(const struct reduced *r, const double *u, const double *v, size_t begin, size_t end)
+{
+    struct sum s = {0.0, 0.0};
+    size_t place = begin;
+
+    while (place < end) {
+        size_t stop = end - place > REDUCE_BLOCK ? place + REDUCE_BLOCK : end;
+        double part = 0.0;
+
+        for (; place < stop; place++) {
+            part += u[r->order[place]] * v[r->order[place]];
+        }
+        add(&s, part);
+    }
+    return value_of(&s);
+}
+
 struct channel_sums {
     struct sum ai, ii, positive, negative;
 };
 
-static struct channel_sums channel_sums(const struct reduced *r, const brdffit_samples *samples, size_t k, size_t begin,
-                                        size_t end)
+/* Products of channel k with a, itself and b of one geometry over places begin .. end - 1. */
+static struct channel_sums channel_sums(const struct reduced *r, const struct table *t, const brdffit_samples *samples,
+                                        size_t k, size_t begin, size_t end)
 {
     struct channel_sums s = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
     size_t place = begin;
@@ -90,7 +99,7 @@ static struct channel_sums channel_sums(const struct reduced *r, const brdffit_s
         for (; place < stop; place++) {
             uint32_t j = r->order[place];
             double value = brdffit_reduce_value(r, samples, j, k);
-            double ib = r->sample_b[j] * value;
+            double ib = t->sample_b[j] * value;
 
             ai += r->sample_a[j] * value;
             ii += value * value;
@@ -105,83 +114,99 @@ static struct channel_sums channel_sums(const struct reduced *r, const brdffit_s
     return s;
 }
 
-static double largest_b(const struct reduced *r, size_t begin, size_t end)
+static double largest_b(const struct reduced *r, const struct table *t, size_t begin, size_t end)
 {
     double largest = 0.0;
     size_t place;
 
     for (place = begin; place < end; place++) {
-        largest = larger(largest, r->sample_b[r->order[place]]);
+        largest = larger(largest, t->sample_b[r->order[place]]);
     }
     return largest;
 }
 
-/* Distinct c among samples that have a lobe; they come first in the order. At least 1. */
-static void distinct_c(struct reduced *r)
-{
-    size_t place = 0;
-
-    r->distinct = 0;
-    r->c_min = 0.0;
-    while (place < r->used && isfinite(r->sample_c[r->order[place]])) {
-        double c = r->sample_c[r->order[place]];
-
-        if (r->distinct == 0) {
-            r->c_min = c;
-        }
-        r->c[r->distinct++] = c - r->c_min;
-        place = brdffit_reduce_group_end(r, place);
-    }
-    if (r->distinct == 0) {
-        r->c[r->distinct++] = 0.0;
-    }
-    r->stride = PADDED(r->distinct);
-}
-
-/* Padding: c of the last, no weight. Clears every array of length stride. */
-static void clear_groups(struct reduced *r)
+/* c of each group; where it has no lobe in this geometry any number will do. Padding: c of the last, no weight. */
+static void fill_c(struct reduced *r, struct table *t)
 {
     size_t j;
 
-    for (j = r->distinct; j < r->stride; j++) {
-        r->c[j] = r->c[r->distinct - 1];
+    t->c_min = INFINITY;
+    for (j = 0; j < r->distinct; j++) {
+        t->c_min = smaller(t->c_min, t->sample_c[r->order[r->begin[j]]]);
     }
-    for (j = 0; j < r->stride; j++) {
-        r->bb[j] = 0.0;
-        r->concentration[j] = 0.0;
+    t->c_min = isfinite(t->c_min) ? t->c_min : 0.0;
+    for (j = 0; j < r->distinct; j++) {
+        double c = t->sample_c[r->order[r->begin[j]]];
+
+        t->c[j] = isfinite(c) ? c - t->c_min : 0.0;
     }
-    for (j = 0; j < r->stride * (1 + 2 * r->channels); j++) {
-        r->linear[j] = 0.0;
+    for (; j < r->stride; j++) {
+        t->c[j] = j ? t->c[j - 1] : 0.0;
+    }
+}
+
+static void clear(double *v, size_t n)
+{
+    size_t j;
+
+    for (j = 0; j < n; j++) {
+        v[j] = 0.0;
     }
 }
 
 void brdffit_reduce_groups(struct reduced *r)
 {
-    distinct_c(r);
-    clear_groups(r);
+    int g, h;
+
+    r->stride = PADDED(r->distinct ? r->distinct : 1);
+    for (g = 0; g < r->geometries; g++) {
+        struct table *t = &r->table[g];
+
+        fill_c(r, t);
+        clear(t->bb, r->stride);
+        clear(t->concentration, r->stride);
+        clear(t->linear, r->stride * (1 + 2 * r->channels));
+        for (h = 0; h < g; h++) {
+            clear(r->cross[g * (g - 1) / 2 + h], r->stride);
+        }
+    }
+    r->distinct = r->distinct ? r->distinct : 1; /* at least 1, if an empty one */
+}
+
+/* The sums of group j that need no values. Returns sum a^2. */
+static double sum_group(struct reduced *r, size_t j)
+{
+    struct geometry_sums s = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
+    size_t begin = r->begin[j], end = r->begin[j + 1];
+    int g, h;
+
+    for (g = 0; g < r->geometries; g++) {
+        struct table *t = &r->table[g];
+        double top = largest_b(r, t, begin, end), bb;
+
+        s = geometry_sums(r, t, begin, end, top);
+        bb = value_of(&s.bb);
+        if (bb > 0.0) {
+            double relative = bb / (top * top);
+
+            t->bb[j] = bb;
+            t->concentration[j] = value_of(&s.b4) / (relative * relative);
+            t->linear[j] = value_of(&s.ab);
+        }
+        for (h = 0; h < g && j < r->distinct; h++) {
+            r->cross[g * (g - 1) / 2 + h][j] = product_sum(r, t->sample_b, r->table[h].sample_b, begin, end);
+        }
+    }
+    return value_of(&s.aa);
 }
 
 static double sum_geometry(struct reduced *r)
 {
     struct sum aa = {0.0, 0.0};
-    size_t place, end, j;
+    size_t j;
 
-    for (place = 0, j = 0; place < r->used; place = end, j++) {
-        struct geometry_sums s;
-        double bb;
-
-        end = brdffit_reduce_group_end(r, place);
-        s = geometry_sums(r, place, end, largest_b(r, place, end));
-        add(&aa, value_of(&s.aa));
-        bb = value_of(&s.bb);
-        if (bb > 0.0) {
-            double top = largest_b(r, place, end);
-            double relative = bb / (top * top);
-
-            r->bb[j] = bb;
-            r->concentration[j] = value_of(&s.b4) / (relative * relative);
-            r->linear[j] = value_of(&s.ab);
-        }
+    for (j = 0; j < r->groups; j++) {
+        add(&aa, sum_group(r, j));
     }
     return value_of(&aa);
 }
@@ -189,22 +214,25 @@ static double sum_geometry(struct reduced *r)
 static int sum_channel(struct reduced *r, const brdffit_samples *samples, size_t k)
 {
     struct sum ai = {0.0, 0.0}, ii = {0.0, 0.0};
-    double *positive = r->linear + (1 + k) * r->stride;
-    double *negative = r->linear + (1 + r->channels + k) * r->stride;
-    size_t place, end, j;
-    int any_negative = 0;
+    int any_negative = 0, g;
+    size_t j;
 
-    for (place = 0, j = 0; place < r->used; place = end, j++) {
-        struct channel_sums s;
+    for (j = 0; j < r->groups; j++) {
+        for (g = 0; g < r->geometries; g++) {
+            struct table *t = &r->table[g];
+            struct channel_sums s = channel_sums(r, t, samples, k, r->begin[j], r->begin[j + 1]);
 
-        end = brdffit_reduce_group_end(r, place);
-        s = channel_sums(r, samples, k, place, end);
-        add(&ai, value_of(&s.ai));
-        add(&ii, value_of(&s.ii));
-        if (j < r->distinct) {
-            positive[j] = value_of(&s.positive);
-            negative[j] = value_of(&s.negative);
-            any_negative = any_negative || negative[j] > 0.0;
+            if (g == 0) {
+                add(&ai, value_of(&s.ai));
+                add(&ii, value_of(&s.ii));
+            }
+            if (j < r->distinct) {
+                double below = value_of(&s.negative);
+
+                t->linear[(1 + k) * r->stride + j] = value_of(&s.positive);
+                t->linear[(1 + r->channels + k) * r->stride + j] = below;
+                any_negative = any_negative || below > 0.0;
+            }
         }
     }
     r->ai[k] = value_of(&ai);
@@ -218,6 +246,7 @@ void brdffit_reduce_sums(struct reduced *r, const brdffit_samples *samples)
     int any_negative = 0;
     size_t j, k;
 
+    brdffit_reduce_group(r);
     brdffit_reduce_groups(r);
     r->aa = sum_geometry(r);
     r->total = 0.0;

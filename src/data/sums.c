@@ -84,7 +84,7 @@ struct brdffit_sums *brdffit_sums_start(void *memory, size_t size, size_t channe
     memset(sums, 0, sizeof *sums);
     sums->channels = channels;
     sums->capacity = groups;
-    sums->distribution = options->distribution;
+    sums->distribution = brdffit_model_asked(options, 0);
     sums->max_incidence = options->max_incidence;
     sums->min_cosine = brdffit_geometry_min_cosine(options->max_incidence);
     sums->kernels = brdffit_table_row_kernels(options->isa);
@@ -212,7 +212,7 @@ static int add_products(struct brdffit_sums *s, const struct geometry *g, double
 
 static brdffit_status add_sample(struct brdffit_sums *s, const brdffit_samples *samples, size_t i, brdffit_error *error)
 {
-    struct geometry g = {0.0, 0.0, 0.0, 0.0};
+    struct geometry g = {.a = 0.0};
     brdffit_status status;
     brdffit_skip skip = brdffit_geometry_sample(samples, s->distribution, s->min_cosine, i, &g, &status, error);
     double to_radiance = samples->quantity == BRDFFIT_QUANTITY_RADIANCE ? 1.0 : g.cos_light;

@@ -44,10 +44,24 @@ static double root_largest(const struct brdffit_sums *s, enum sums_product produ
     return sqrt(largest);
 }
 
+/* sum w I^2 of a channel, before value_scale. */
+static double channel_square(const struct brdffit_sums *s, const struct reduced *r, size_t k)
+{
+    double sum = 0.0;
+    size_t g;
+
+    for (g = 0; g < s->groups; g++) {
+        sum += sums_value(sums_group(s, g) + SUMS_CHANNEL + SUMS_PER_CHANNEL * k + SUMS_II) / r->scale_w /
+               r->channel_scale[k] / r->channel_scale[k];
+    }
+    return sum;
+}
+
 static brdffit_status choose_scales(const struct brdffit_sums *s, const brdffit_options *options, struct reduced *r,
                                     brdffit_error *error)
 {
-    double root;
+    brdffit_status status;
+    double root, largest = 0.0;
     size_t k;
 
     for (k = 0; k < s->channels; k++) {
@@ -61,8 +75,16 @@ static brdffit_status choose_scales(const struct brdffit_sums *s, const brdffit_
     r->scale_w = s->largest_weight == 1.0 ? 1.0 : power_of_two(s->largest_weight);
     root = sqrt(r->scale_w);
     r->scale_a = power_of_two(root_largest(s, SUMS_AA) / root);
-    r->scale_b = power_of_two(root_largest(s, SUMS_BB) / root);
-    return brdffit_reduce_channel_scales(r, options, error);
+    r->table[0].scale_b = power_of_two(root_largest(s, SUMS_BB) / root);
+    status = brdffit_reduce_channel_scales(r, options, error);
+    if (status == BRDFFIT_OK) {
+        r->value_scale = 1.0;
+        for (k = 0; k < s->channels; k++) {
+            largest = fmax(largest, channel_square(s, r, k));
+        }
+        brdffit_reduce_value_scale(r, sqrt(largest));
+    }
+    return status;
 }
 
 /* Groups in ascending c, as if they were samples. */
@@ -73,13 +95,14 @@ static void order_groups(const struct brdffit_sums *s, struct reduced *r)
     r->used = s->groups;
     for (g = 0; g < s->groups; g++) {
         /* A node that was made in vain, for a sample that was refused, is no c. */
-        r->sample_c[g] = sums_value(sums_group(s, g) + SUMS_BB) > 0.0 ? s->c[g] : INFINITY;
+        r->table[0].sample_c[g] = sums_value(sums_group(s, g) + SUMS_BB) > 0.0 ? s->c[g] : INFINITY;
     }
     brdffit_reduce_sort(r);
-    r->snapped = 0.0;
+    r->table[0].snapped = 0.0;
     if (s->directions && !s->bits) { /* nodes are never that close, and are to stay where they are */
         brdffit_reduce_snap(r);
     }
+    brdffit_reduce_group(r);
     brdffit_reduce_groups(r);
     r->counted = s->used;
     r->weight_sum = sums_value(&s->weight) / r->scale_w;
@@ -113,26 +136,28 @@ static double scaled(const struct reduced *r, const struct sums_pair *sum, size_
 {
     double value = sums_value(sum + SUMS_CHANNEL + SUMS_PER_CHANNEL * k + which) / r->scale_w / scale;
 
-    return value / r->channel_scale[k] / (which == SUMS_II ? r->channel_scale[k] : 1.0);
+    value = value / r->channel_scale[k] / r->value_scale;
+    return which == SUMS_II ? value / r->channel_scale[k] / r->value_scale : value;
 }
 
 /* The group's sums for the bounds, at index j of the distinct c (if it has a lobe), and its part of the totals. */
 static int add_sums(struct reduced *r, const struct sums_pair *sum, size_t j, const struct gram *gram)
 {
+    struct table *t = &r->table[0];
     size_t k, K = r->channels;
     int negative = 0;
 
     if (gram->bb > 0.0) {
         double bb = sums_value(sum + SUMS_BB);
 
-        r->bb[j] = gram->bb;
-        r->concentration[j] = sums_value(sum + SUMS_B4) / bb / bb;
-        r->linear[j] = gram->ab;
+        t->bb[j] = gram->bb;
+        t->concentration[j] = sums_value(sum + SUMS_B4) / bb / bb;
+        t->linear[j] = gram->ab;
     }
     for (k = 0; k < K; k++) {
         if (gram->bb > 0.0) {
-            r->linear[(1 + k) * r->stride + j] = scaled(r, sum, k, SUMS_POSITIVE, r->scale_b);
-            r->linear[(1 + K + k) * r->stride + j] = scaled(r, sum, k, SUMS_NEGATIVE, r->scale_b);
+            t->linear[(1 + k) * r->stride + j] = scaled(r, sum, k, SUMS_POSITIVE, t->scale_b);
+            t->linear[(1 + K + k) * r->stride + j] = scaled(r, sum, k, SUMS_NEGATIVE, t->scale_b);
             negative = negative || sums_value(sum + SUMS_CHANNEL + SUMS_PER_CHANNEL * k + SUMS_NEGATIVE) > 0.0;
         }
     }
@@ -168,8 +193,8 @@ static void add_rows(struct reduced *r, const struct sums_pair *sum, size_t j, c
         g.bb = exact->bb * grown;
         fine = 1;
         for (k = 0; k < r->channels && fine; k++) {
-            double q[2],
-                bi = scaled(r, sum, k, SUMS_POSITIVE, r->scale_b) - scaled(r, sum, k, SUMS_NEGATIVE, r->scale_b);
+            double q[2], bi = scaled(r, sum, k, SUMS_POSITIVE, r->table[0].scale_b) -
+                              scaled(r, sum, k, SUMS_NEGATIVE, r->table[0].scale_b);
 
             fine = factor_channel(&g, scaled(r, sum, k, SUMS_AI, r->scale_a), bi,
                                   scaled(r, sum, k, SUMS_II, 1.0) * grown, q, &left);
@@ -178,10 +203,11 @@ static void add_rows(struct reduced *r, const struct sums_pair *sum, size_t j, c
     rab = g.aa > 0.0 ? g.ab / sqrt(g.aa) : 0.0;
     r->row_a[row] = sqrt(g.aa);
     r->row_a[row + 1] = 0.0;
-    r->row_b[row] = rab;
-    r->row_b[row + 1] = sqrt(fmax(0.0, g.bb - rab * rab));
+    r->table[0].row_b[row] = rab;
+    r->table[0].row_b[row + 1] = sqrt(fmax(0.0, g.bb - rab * rab));
     for (k = 0; k < r->channels; k++) {
-        double q[2], bi = scaled(r, sum, k, SUMS_POSITIVE, r->scale_b) - scaled(r, sum, k, SUMS_NEGATIVE, r->scale_b);
+        double q[2], bi = scaled(r, sum, k, SUMS_POSITIVE, r->table[0].scale_b) -
+                          scaled(r, sum, k, SUMS_NEGATIVE, r->table[0].scale_b);
 
         (void)factor_channel(&g, scaled(r, sum, k, SUMS_AI, r->scale_a), bi, scaled(r, sum, k, SUMS_II, 1.0) * grown, q,
                              &left);
@@ -201,8 +227,8 @@ static void add_group(struct reduced *r, const struct sums_pair *sum, size_t j, 
     size_t k;
 
     gram.aa = sums_value(sum + SUMS_AA) / r->scale_w / r->scale_a / r->scale_a;
-    gram.ab = sums_value(sum + SUMS_AB) / r->scale_w / r->scale_a / r->scale_b;
-    gram.bb = sums_value(sum + SUMS_BB) / r->scale_w / r->scale_b / r->scale_b;
+    gram.ab = sums_value(sum + SUMS_AB) / r->scale_w / r->scale_a / r->table[0].scale_b;
+    gram.bb = sums_value(sum + SUMS_BB) / r->scale_w / r->table[0].scale_b / r->table[0].scale_b;
     *negative = add_sums(r, sum, j, &gram) || *negative;
     add_rows(r, sum, j, &gram, rest);
     r->aa += gram.aa;
@@ -217,7 +243,7 @@ static void add_last_row(struct reduced *r, const struct sums_pair *rest)
 {
     size_t row = r->rows++, k;
 
-    r->row_a[row] = r->row_b[row] = 0.0;
+    r->row_a[row] = r->table[0].row_b[row] = 0.0;
     r->row_c[row] = 0;
     r->row_square[row] = 1.0;
     for (k = 0; k < r->channels; k++) {
@@ -231,7 +257,7 @@ brdffit_status brdffit_sums_reduce(const struct brdffit_sums *s, const brdffit_o
     /* The block has room for (K + 2) x 64 doubles and more. */
     struct sums_pair *rest = (struct sums_pair *)(void *)r->block, *sum = rest + r->channels;
     brdffit_status status;
-    size_t begin, end, j, k;
+    size_t j, k;
     int negative = 0;
 
     if (s->used == 0) {
@@ -248,11 +274,9 @@ brdffit_status brdffit_sums_reduce(const struct brdffit_sums *s, const brdffit_o
         r->ai[k] = r->ii[k] = 0.0;
         rest[k].high = rest[k].low = 0.0;
     }
-    for (begin = 0, j = 0; begin < s->groups; begin = end, j++) {
-        r->used = s->groups;
-        end = brdffit_reduce_group_end(r, begin);
-        r->used = brdffit_sums_rows(s);
-        merge(s, r, begin, end, sum);
+    r->used = brdffit_sums_rows(s);
+    for (j = 0; j < r->groups; j++) {
+        merge(s, r, r->begin[j], r->begin[j + 1], sum);
         add_group(r, sum, j, rest, &negative);
     }
     add_last_row(r, rest);

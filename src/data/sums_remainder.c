@@ -183,13 +183,6 @@ static struct remainder largest(const struct cells *v, double first, double last
     return most;
 }
 
-/* s of the result's lobe. */
-static double frequency(const brdffit_result *result, int p)
-{
-    return result->lobe[p]->exponent > 0.0 ? result->lobe[p]->exponent
-                                           : 1.0 / (result->lobe[p]->sigma * result->lobe[p]->sigma);
-}
-
 /* D and d^2 of channel k at the model found; the lobes' Y for c - c0. */
 static struct remainder at_model(const struct cells *v, const struct brdffit_result *result, size_t k)
 {
@@ -200,9 +193,11 @@ static struct remainder at_model(const struct cells *v, const struct brdffit_res
     int p;
 
     for (p = 0; p < result->model->lobes; p++) {
-        s[p] = frequency(result, p);
-        y[p] = result->model->y[k * (size_t)result->model->lobes + (size_t)p] * kind->factor(v->smallest, s[p]) /
-               v->scale[k];
+        struct twofold exact = twofold_inverse_square(result->model->sigma[p]);
+        struct wide all = wide_of(result->model->y[k * (size_t)result->model->lobes + (size_t)p]);
+
+        s[p] = exact.high;
+        y[p] = wide_value(wide_times(all, brdffit_lobe_factor(kind, exact, v->smallest))) / v->scale[k];
     }
     for (g = v->sums->exact; g < v->sums->groups; g++) {
         double bb = sums_value(&v->sums->cell[g]), first = 0.0, second = 0.0;
@@ -257,21 +252,10 @@ static double lower_bound(const struct cells *v, const brdffit_options *o, const
 void brdffit_sums_remainder(const struct brdffit_sums *s, const brdffit_options *o, brdffit_result *result)
 {
     struct cells v = open_cells(s, result->channel_scale);
-    double most;
 
     if (!isfinite(v.nearest)) {
         return; /* every c is exact */
     }
     result->e2_error += model_error(&v, result);
     result->lower_bound = fmin(result->lower_bound, lower_bound(&v, o, result));
-    result->gap = fmax(0.0, result->e2 - result->lower_bound);
-    most = result->e2 + result->e2_error;
-    if (result->certified && most <= (1.0 + o->relative_gap) * result->lower_bound) {
-        result->stop = BRDFFIT_STOP_RELATIVE_GAP;
-    } else if (result->certified && most - result->lower_bound <= o->absolute_gap * result->sum_of_squares) {
-        result->stop = BRDFFIT_STOP_ABSOLUTE_GAP;
-    } else if (result->certified) {
-        result->certified = 0;
-        result->stop = BRDFFIT_STOP_ROUNDING;
-    }
 }

@@ -2,20 +2,33 @@
  * The domain of a search: theta = ln s over the options' range, cut where nothing changes any more (theory 4.1) and
  * where no finite coefficient exists. SPDX-License-Identifier: MIT
  *
- * y = z |I| / (|g| factor(s)) with factor = lambda(s) phi(s, c_min), which underflows for a lobe so narrow that no
+ * y = z |I| / (|g| factor(s)) with factor = lambda(s) phi(s, c_min), which vanishes for a lobe so narrow that no
  * sample sees it. Models whose y no double can hold are not models that a caller could be given, so they are outside
  * of the domain (brdffit.h says so); where no lobe of the range has a finite y, the diffuse term is all there is.
+ *
+ * What is claimed is about sigma (the exponent) in a closed range of doubles, and theta is their rounded logarithm: so
+ * the range of theta is wider on each side than what rounding can do to either (TOL_END). A point of the search may be
+ * outside of the claim by as much; the sigma that is published is not, and the result's e2 is that of the latter.
  */
 #include <math.h>
 
 #include "fit/fit.h"
+#include "fit/published.h"
 #include "base/exp.h"
 #include "base/log.h"
 #include "base/tolerance.h"
 
+/* What of one kind decides: its functions, the sums of its geometry. */
+struct view {
+    struct fit *fit;
+    const struct lobe_kind *kind;
+    struct table *table;
+};
+
 /* ln of the largest y / (sqrt(H) factor(s)) of any channel: |I| over the scale of b. */
-static double data_exponent(const struct reduced *data)
+static double data_exponent(const struct view *v)
 {
+    const struct reduced *data = &v->fit->data;
     double largest = -INFINITY;
     size_t k;
 
@@ -24,40 +37,41 @@ static double data_exponent(const struct reduced *data)
             largest = fmax(largest, kernel_log(data->channel_scale[k]) + 0.5 * kernel_log(data->ii[k]));
         }
     }
-    return largest - kernel_log(data->scale_b);
+    return largest + kernel_log(data->value_scale) - kernel_log(v->table->scale_b);
 }
 
-/* Whether every y of a lobe at theta is a finite double. */
-static int finite_y(struct fit *f, double theta, double exponent)
+/* Whether every y of a lobe at theta is a finite double; `exponent` from data_exponent(). */
+static int finite_y(const struct view *v, double theta, double exponent)
 {
-    const struct reduced *data = &f->data;
-    double u[3], h = 0.0;
+    const struct reduced *data = &v->fit->data;
+    double u[3], h = 0.0, s = kernel_exp(theta), *phi = v->fit->varpro.phi;
     size_t j;
 
-    f->kind->variable(data->c_min, theta, u);
-    f->kind->shape(f->varpro.kernels, data->c, data->stride, u[0], f->varpro.phi);
+    v->kind->variable(v->table->c_min, theta, u);
+    v->kind->shape(v->fit->varpro.kernels, v->table->c, data->stride, u[0], phi);
     for (j = 0; j < data->distinct; j++) {
-        h += data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]);
+        h += v->table->bb[j] * (phi[j] * phi[j]);
     }
-    return exponent - 0.5 * kernel_log(h) + f->kind->exponent(data->c_min, kernel_exp(theta)) <= LIMIT_EXPONENT;
+    exponent += v->kind->exponent(v->table->c_min, s) - 0.5 * kernel_log(h) - kernel_log(v->kind->lambda(s));
+    return h > 0.0 && exponent <= LIMIT_EXPONENT;
 }
 
-/* Largest theta of the range with finite y, by bisection; below theta_low when there is none. */
-static double largest_finite(struct fit *f)
+/* Largest theta of the range with finite y, by bisection; minus infinity when there is none. */
+static double largest_finite(const struct view *v, double low, double high)
 {
-    double exponent = data_exponent(&f->data), low = f->theta_low, high = f->theta_tail;
+    double exponent = data_exponent(v);
     int i;
 
-    if (finite_y(f, high, exponent)) {
+    if (finite_y(v, high, exponent)) {
         return high;
     }
-    if (!finite_y(f, low, exponent)) {
+    if (!finite_y(v, low, exponent)) {
         return -INFINITY;
     }
     for (i = 0; i < 60; i++) {
         double middle = 0.5 * (low + high);
 
-        if (finite_y(f, middle, exponent)) {
+        if (finite_y(v, middle, exponent)) {
             low = middle;
         } else {
             high = middle;
@@ -66,47 +80,94 @@ static double largest_finite(struct fit *f)
     return low;
 }
 
-/* No lobe can be used: its columns and sums vanish, and every theta is the same. */
-static void drop_lobes(struct fit *f)
+/* No lobe of this geometry can be used: its columns and sums vanish, and every theta is the same. */
+static void drop_lobes(const struct view *v)
 {
-    struct reduced *data = &f->data;
+    const struct reduced *data = &v->fit->data;
     size_t j;
+    int g;
 
     for (j = 0; j < data->stride; j++) {
-        data->bb[j] = 0.0;
+        v->table->bb[j] = 0.0;
     }
     for (j = 0; j < data->stride * data->functionals; j++) {
-        data->linear[j] = 0.0;
+        v->table->linear[j] = 0.0;
     }
     for (j = 0; j < data->rows; j++) {
-        data->row_b[j] = 0.0;
+        v->table->row_b[j] = 0.0;
     }
-    f->theta_high = f->theta_low; /* and theta_flat stays below: there is no lobe */
+    for (g = 0; g < data->geometries; g++) {
+        double *cross = &data->table[g] == v->table
+                            ? NULL
+                            : (double *)(uintptr_t)reduced_cross(data, g, (int)(v->table - data->table));
+
+        for (j = 0; j < data->stride && cross; j++) {
+            cross[j] = 0.0;
+        }
+    }
+}
+
+double brdffit_fit_outwards(double theta, double steps)
+{
+    return theta + steps * TOL_END * TOL_UNIT * (1.0 + fabs(theta));
+}
+
+/* The range that the options ask of a kind, both ends outwards. */
+static void asked_range(const struct lobe_kind *kind, const brdffit_options *o, struct domain *d)
+{
+    double low = kind->by_exponent ? kernel_log(o->exponent_min) : -2.0 * kernel_log(o->sigma_max);
+    double high = kind->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min);
+
+    d->low = brdffit_fit_outwards(low, -1.0);
+    d->tail = brdffit_fit_outwards(high, 1.0);
+    d->flat = d->tail;
+    d->high = d->low;
+}
+
+static int any_lobe(const struct view *v)
+{
+    size_t j = 0;
+
+    while (j < v->fit->data.distinct && !(v->table->bb[j] > 0.0)) {
+        j++;
+    }
+    return j < v->fit->data.distinct;
+}
+
+static void prepare_kind(const struct view *v, const brdffit_options *o, struct domain *d)
+{
+    double tail;
+
+    asked_range(v->kind, o, d);
+    if (!any_lobe(v)) {
+        return;
+    }
+    tail = v->kind->tail(v->table->c, v->table->bb, v->fit->data.distinct, v->table->c_min);
+    d->flat = largest_finite(v, d->low, d->tail);
+    if (d->flat < d->low) {
+        drop_lobes(v); /* and d->flat stays below: there is no lobe */
+    } else if (tail > 0.0) {
+        double end = d->flat < d->tail ? brdffit_fit_outwards(d->flat, 1.0) : d->tail;
+
+        d->high = fmax(d->low, fmin(end, isfinite(tail) ? kernel_log(tail) : INFINITY));
+    }
 }
 
 void brdffit_fit_prepare(struct fit *f, const brdffit_options *o)
 {
-    struct reduced *data = &f->data;
+    int kind, p;
 
-    f->kind = brdffit_lobe_kind_of(o->distribution);
     f->norm = o->norm;
     f->varpro.kernels = brdffit_kernels(o->isa);
-    f->theta_low = f->kind->by_exponent ? kernel_log(o->exponent_min) : -2.0 * kernel_log(o->sigma_max);
-    f->theta_tail = f->kind->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min);
-    f->theta_flat = f->theta_tail;
-    f->theta_high = f->theta_low;
-    if (data->bb[0] > 0.0) {
-        double tail = f->kind->tail(data->c, data->bb, data->distinct, data->c_min);
+    f->varpro.data = &f->data;
+    f->triangle_error = o->norm == BRDFFIT_NORM_L2 && f->rows_error == 0.0 ? brdffit_fit_triangle_error(&f->data) : 0.0;
+    for (kind = 0; kind < f->model.kinds; kind++) {
+        const struct view v = {f, f->model.kind[kind], &f->data.table[f->model.geometry[kind]]};
 
-        f->theta_flat = largest_finite(f);
-        if (f->theta_flat < f->theta_low) {
-            drop_lobes(f);
-        } else if (tail > 0.0) {
-            f->theta_high = fmax(f->theta_low, fmin(f->theta_flat, isfinite(tail) ? kernel_log(tail) : INFINITY));
-        }
+        prepare_kind(&v, o, &f->domain[kind]);
     }
-    f->varpro.data = data;
-    f->varpro.kind = f->kind;
-    f->varpro.theta_low = f->theta_low;
-    f->varpro.theta_high = f->theta_high;
+    for (p = 0; p < f->model.sides; p++) {
+        f->varpro.theta_low[p] = fit_domain(f, p)->low;
+        f->varpro.theta_high[p] = fit_domain(f, p)->high;
+    }
 }

@@ -26,7 +26,7 @@ static double try_moments(void *self, struct point *point)
 {
     struct fit *f = self;
 
-    brdffit_moment_descend(&f->moment.moments, f->varpro.lobes, f->theta_low, f->theta_high, point);
+    brdffit_moment_descend(&f->moment.moments, &f->model, f->varpro.theta_low, f->varpro.theta_high, point);
     return brdffit_varpro_descend(&f->varpro, point);
 }
 
@@ -37,32 +37,22 @@ static double try_point_lp(void *self, struct point *point)
     return brdffit_l1_linf_descend(&f->restricted, point);
 }
 
-static double width(void *self, uint32_t interval)
+static double width(void *self, int kind, uint32_t interval)
 {
-    const struct fit *f = self;
-    const struct axis_interval *i = &f->axis.interval[interval];
+    const struct axis *axis = &((const struct fit *)self)->axis[kind];
+    const struct axis_interval *i = &axis->interval[interval];
 
-    return kernel_exp(-0.5 * f->axis.coordinate[i->low]) - kernel_exp(-0.5 * f->axis.coordinate[i->high]);
+    return kernel_exp(-0.5 * axis->coordinate[i->low]) - kernel_exp(-0.5 * axis->coordinate[i->high]);
 }
 
-static double bound_one(void *self, struct box *box, struct point *met)
+static double bound_moment(void *self, struct box *box, struct point *met)
 {
-    return brdffit_bound_moment_one(&((struct fit *)self)->moment, box, met);
+    return brdffit_bound_moment(&((struct fit *)self)->moment, box, met);
 }
 
-static double bound_two(void *self, struct box *box, struct point *met)
+static double start_moment(void *self, struct point *met)
 {
-    return brdffit_bound_moment_two(&((struct fit *)self)->moment, box, met);
-}
-
-static double start_one(void *self, struct point *met)
-{
-    return brdffit_bound_moment_start_one(&((struct fit *)self)->moment, met);
-}
-
-static double start_two(void *self, struct point *met)
-{
-    return brdffit_bound_moment_start_two(&((struct fit *)self)->moment, met);
+    return brdffit_bound_moment_first(&((struct fit *)self)->moment, met);
 }
 
 static double bound_socp(void *self, struct box *box, struct point *met)
@@ -83,7 +73,7 @@ static brdffit_status start_lp(struct fit *f, const brdffit_options *o, struct e
     engine->try_point = try_point_lp;
     engine->noise = 0.0;
     if (status == BRDFFIT_OK) {
-        status = brdffit_bound_lp_start(&f->linear, &f->restricted, &f->axis, !o->socp_every_box);
+        status = brdffit_bound_lp_start(&f->linear, &f->restricted, f->axis, !o->socp_every_box);
         if (status != BRDFFIT_OK) {
             brdffit_l1_linf_finish(&f->restricted);
         }
@@ -91,10 +81,22 @@ static brdffit_status start_lp(struct fit *f, const brdffit_options *o, struct e
     return status;
 }
 
+static struct box_sides sides_of(const struct model *model)
+{
+    struct box_sides sides = {.count = model->sides};
+    int p;
+
+    for (p = 0; p < model->lobes; p++) {
+        sides.axis[p] = model->lobe[p].kind;
+        sides.first[p] = model->lobe[p].first;
+    }
+    return sides;
+}
+
 brdffit_status brdffit_fit_engine_start(struct fit *f, const brdffit_options *o, struct engine *engine)
 {
     engine->self = f;
-    engine->lobes = o->lobes;
+    engine->sides = sides_of(&f->model);
     engine->try_point = try_point;
     engine->width = width;
     engine->start = NULL;
@@ -104,13 +106,13 @@ brdffit_status brdffit_fit_engine_start(struct fit *f, const brdffit_options *o,
     if (o->engine == BRDFFIT_ENGINE_SOCP) {
         engine->bound = bound_socp;
         engine->noise = 0.0;
-        return brdffit_bound_socp_start(&f->socp, &f->varpro, &f->axis, !o->socp_every_box);
+        return brdffit_bound_socp_start(&f->socp, &f->varpro, f->axis, !o->socp_every_box);
     }
     brdffit_reduce_channels(&f->data);
-    brdffit_bound_moment_start(&f->moment, &f->data, f->kind, f->varpro.kernels, &f->axis, o->lobes);
-    engine->bound = o->lobes > 1 ? bound_two : bound_one;
-    engine->start = o->lobes > 1 ? start_two : start_one;
-    engine->try_point = f->kind->exponential ? try_moments : try_point;
+    brdffit_bound_moment_start(&f->moment, &f->data, &f->model, f->varpro.kernels, f->axis);
+    engine->bound = bound_moment;
+    engine->start = start_moment;
+    engine->try_point = model_exponential(&f->model) ? try_moments : try_point;
     engine->noise = 2.0 * f->moment.moments.slack;
     return BRDFFIT_OK;
 }

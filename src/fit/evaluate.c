@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "model/geometry.h"
 
+/* The distribution of lobe p. */
 static brdffit_distribution distribution_of(const brdffit_model *m, int p)
 {
     return m->distributions ? m->distributions[p] : m->distribution;
@@ -20,16 +21,17 @@ static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
     if (!m->sigma || !m->x || !m->y || m->channels == 0) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: without roughness or coefficients");
     }
-    if (!(m->lobes >= 1 && m->lobes <= BRDFFIT_MAX_LOBES) ||
-        !((unsigned)distribution_of(m, 0) < BRDFFIT_DISTRIBUTION_COUNT)) {
-        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown distribution or number of lobes");
+    if (!(m->lobes >= 1 && m->lobes <= BRDFFIT_MAX_LOBES)) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown number of lobes");
+    }
+    for (p = 0; p < m->lobes; p++) {
+        if (!((unsigned)distribution_of(m, p) < BRDFFIT_DISTRIBUTION_COUNT)) {
+            return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown distribution");
+        }
     }
     for (p = 0; p < m->lobes; p++) {
         double s = 1.0 / (m->sigma[p] * m->sigma[p]);
 
-        if (distribution_of(m, p) != distribution_of(m, 0)) {
-            return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "model: lobes of several distributions");
-        }
         if (!(m->sigma[p] > 0.0 && s > 0.0 && isfinite(s))) {
             return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: sigma must be positive, and 1/sigma^2 finite");
         }
@@ -37,20 +39,37 @@ static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
     return BRDFFIT_OK;
 }
 
-static void eval_one(const brdffit_model *m, const struct lobe_kind *kind, const struct geometry *g, double divisor,
-                     double *out)
+/*
+ * b lambda(s) phi(s, c) of lobe p at a direction, whose geometry for the model's first lobe is given. s is that of the
+ * model's sigma to twice the digits, as in published.c, so that values are within some 30 u of the model as it is written.
+ */
+static struct wide lobe_at(const brdffit_model *m, int p, struct twofold s, const struct geometry *first,
+                           int coefficients)
 {
-    double lobe[BRDFFIT_MAX_LOBES];
+    const struct lobe_kind *kind = brdffit_lobe_kind_of(distribution_of(m, p));
+    struct geometry g = *first;
+
+    if (!coefficients && kind->row != brdffit_lobe_kind_of(distribution_of(m, 0))->row) {
+        kind->row(&first->angles, &g);
+    }
+    return wide_times(wide_of(g.b), brdffit_lobe_factor(kind, s, g.c));
+}
+
+/* y may be as large as a double gets where phi is as small: neither may vanish or overflow on the way. */
+static void eval_one(const brdffit_model *m, const struct twofold *s, const struct geometry *g, int coefficients,
+                     double divisor, double *out)
+{
+    struct wide lobe[BRDFFIT_MAX_LOBES];
     size_t k, lobes = (size_t)m->lobes, p;
 
     for (p = 0; p < lobes; p++) {
-        lobe[p] = g->b * kind->evaluate(1.0 / (m->sigma[p] * m->sigma[p]), g->c);
+        lobe[p] = lobe_at(m, (int)p, s[p], g, coefficients);
     }
     for (k = 0; k < m->channels; k++) {
         double value = g->a * m->x[k];
 
         for (p = 0; p < lobes; p++) {
-            value += m->y[k * lobes + p] * lobe[p];
+            value += wide_value(wide_times(wide_of(m->y[k * lobes + p]), lobe[p]));
         }
         out[k] = value / divisor;
     }
@@ -60,9 +79,10 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
                                 brdffit_error *error)
 {
     brdffit_status status = check_model(model, error);
-    const struct lobe_kind *kind;
+    struct twofold s[BRDFFIT_MAX_LOBES];
     brdffit_samples places;
     size_t i, k;
+    int p;
 
     if (status == BRDFFIT_OK) {
         status = brdffit_geometry_check(at, 0, error);
@@ -73,11 +93,13 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
     if (!out && at->count) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "out is NULL");
     }
-    kind = brdffit_lobe_kind_of(distribution_of(model, 0));
+    for (p = 0; p < model->lobes; p++) {
+        s[p] = twofold_inverse_square(model->sigma[p]);
+    }
     places = *at;
     places.weights = NULL; /* not read: every direction is evaluated */
     for (i = 0; i < at->count; i++) {
-        struct geometry g = {0.0, 0.0, 0.0, 1.0};
+        struct geometry g = {.cos_light = 1.0};
         brdffit_skip skip = brdffit_geometry_sample(&places, distribution_of(model, 0), 0.0, i, &g, &status, error);
 
         if (status != BRDFFIT_OK) {
@@ -89,7 +111,8 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
             }
             continue;
         }
-        eval_one(model, kind, &g, at->quantity == BRDFFIT_QUANTITY_BRDF ? g.cos_light : 1.0, out + i * model->channels);
+        eval_one(model, s, &g, at->form == BRDFFIT_FORM_COEFFICIENTS,
+                 at->quantity == BRDFFIT_QUANTITY_BRDF ? g.cos_light : 1.0, out + i * model->channels);
     }
     return BRDFFIT_OK;
 }
@@ -110,7 +133,8 @@ brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit
     min_cosine = brdffit_geometry_min_cosine(options->max_incidence);
     for (i = 0; i < samples->count; i++) {
         struct geometry g;
-        brdffit_skip skip = brdffit_geometry_sample(samples, options->distribution, min_cosine, i, &g, &status, error);
+        brdffit_skip skip = brdffit_geometry_sample(samples, brdffit_model_asked(options, 0), min_cosine, i, &g,
+                                                    &status, error);
 
         if (status != BRDFFIT_OK) {
             return status;

@@ -5,30 +5,35 @@
 
 #include <math.h>
 
+#include "fit/published.h"
+
 #include "base/error.h"
 #include "model/geometry.h"
 #include "base/tolerance.h"
 
+/* Boxes of a first partition of so many intervals a kind: multisets of them for like lobes. */
+static double first_boxes(const struct model *model, uint32_t first)
+{
+    double boxes = 1.0;
+    int p;
+
+    for (p = 0; p < model->lobes; p++) {
+        int place = p - model->lobe[p].first;
+
+        boxes *= ((double)first + place) / (1.0 + place);
+    }
+    return boxes;
+}
+
 /* First partition: as fine as the budget allows, so that even a budget of one box gives a bound of the whole. */
-static uint32_t first_intervals(const brdffit_options *o)
+static uint32_t first_intervals(const struct model *model, const brdffit_options *o)
 {
     uint32_t first = FIRST_INTERVALS;
 
-    while (first > 1 && (o->lobes > 1 ? (size_t)first * (first + 1) / 2 : first) > o->box_budget) {
+    while (first > 1 && first_boxes(model, first) > (double)o->box_budget) {
         first /= 2;
     }
     return first;
-}
-
-/* Objective units to the caller's: weights and, without normalisation, one power of two for all channels. */
-double brdffit_fit_scale(const struct reduced *data, const brdffit_options *o)
-{
-    double value = o->normalise == BRDFFIT_NORMALISE_NONE ? data->channel_scale[0] : 1.0;
-
-    if (o->norm == BRDFFIT_NORM_LINF) {
-        return value; /* weights do not multiply the largest residual */
-    }
-    return o->norm == BRDFFIT_NORM_L1 ? data->scale_w * value : data->scale_w * value * value;
 }
 
 static int report_reduced(const struct fit *f, const brdffit_options *o)
@@ -45,15 +50,31 @@ static int report_reduced(const struct fit *f, const brdffit_options *o)
     return o->progress(o->progress_user, &p) != 0;
 }
 
+/* The engine's point with an objective that its published model will not exceed: what is closed against it stays so. */
+static double try_published(void *self, struct point *point)
+{
+    struct fit *f = self;
+    double objective = f->try_point(f, point);
+
+    f->least = fmin(f->least, objective);
+    return objective + brdffit_fit_allowance(f, objective);
+}
+
 /* Everything up to the first box: domain, partition, engine, rules. The engine is to be finished after success. */
 brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct engine *engine,
                                  struct search_rules *rules, brdffit_error *error)
 {
     brdffit_status status;
+    int kind;
 
     rules->cancelled = report_reduced(f, o);
     brdffit_fit_prepare(f, o);
-    brdffit_axis_start(&f->axis, f->theta_low, f->theta_high, first_intervals(o));
+    for (kind = 0; kind < f->model.kinds; kind++) {
+        const struct domain *d = &f->domain[kind];
+        int point = d->high <= brdffit_fit_outwards(d->low, 4.0); /* one roughness, and what rounding may make of it */
+
+        brdffit_axis_start(&f->axis[kind], d->low, d->high, point ? 1 : first_intervals(&f->model, o));
+    }
     status = brdffit_fit_engine_start(f, o, engine);
     if (status != BRDFFIT_OK) {
         return brdffit_fail(error, status,
@@ -61,6 +82,9 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
                                 ? "norms l1 and linf and engine socp need ECOS, which this build is without"
                                 : "ECOS could not set up its solver");
     }
+    f->try_point = engine->try_point;
+    f->least = INFINITY;
+    engine->try_point = try_published;
     rules->relative_gap = o->relative_gap;
     rules->absolute_gap = o->absolute_gap * f->data.total;
     rules->sigma_resolution = o->sigma_resolution;
@@ -119,7 +143,7 @@ brdffit_status brdffit_fit_open(struct fit *f, const brdffit_samples *samples, c
     }
     brdffit_arena_init(&arena, workspace, size);
     brdffit_fit_layout(f, &arena, samples->count, samples->channels, options);
-    status = brdffit_reduce(&f->data, samples, options, error);
+    status = brdffit_reduce(&f->data, samples, &f->model, options, error);
     if (status != BRDFFIT_OK) {
         return status;
     }
@@ -136,7 +160,7 @@ brdffit_status brdffit_fit_finish(struct fit *f, const brdffit_options *options,
     if (status != BRDFFIT_OK) {
         return status;
     }
-    brdffit_search(&f->axis, &f->heap, &engine, &rules, &found);
+    brdffit_search(f->axis, &f->heap, &engine, &rules, &found);
     brdffit_report(f, options, brdffit_fit_scale(&f->data, options), &found);
     brdffit_fit_engine_finish(f, options);
     return BRDFFIT_OK;

@@ -24,6 +24,14 @@ struct observer {
     double scale; /* objective to the caller's units */
 };
 
+/* Where the lobes of one kind are searched: theta = ln s. */
+struct domain {
+    double low, high; /* of the search; the tail counts as its end */
+    double flat; /* beyond `high` nothing changes up to here: the end of the range, or of finite y; below `low`: no
+                         lobe has a finite y */
+    double tail; /* end of the options' range */
+};
+
 /* What a fit hands out by pointer, in the workspace: `result` and what it points to, but for arrays of K. */
 struct handout {
     void *block; /* what brdffit_result_free() frees: set by brdffit_fit_new() */
@@ -38,23 +46,32 @@ struct handout {
 };
 
 struct fit {
+    struct model model;
     struct reduced data;
-    struct axis axis;
+    struct axis axis[KINDS_MOST];
     struct heap heap;
     struct bound_moment moment; /* only the engine in use is laid out */
     struct bound_socp socp;
     struct bound_lp linear;
     struct l1_linf restricted; /* norms l1 and linf only */
     struct varpro varpro;
-    const struct lobe_kind *kind;
     brdffit_norm norm;
-    double theta_low, theta_high; /* domain of the search; the tail counts as its end */
-    double theta_flat; /* beyond theta_high nothing changes up to here: the end of the range, or of finite y */
-    double theta_tail; /* end of the options' range */
+    struct domain domain[KINDS_MOST];
     struct handout *handout;
     double *x, *y, *rms; /* K, K x P, K: the result's arrays */
+    double rows_error; /* how far E^2 of the rows may be from that of the samples, relative to the total: 0, but of
+                              sums */
+    double triangle_error; /* brdffit_fit_triangle_error() */
+    double least; /* smallest objective met, exact */
+    double (*try_point)(void *fit, struct point *point); /* the engine's */
     struct observer observer;
 };
+
+/* The domain of a lobe. */
+static inline const struct domain *fit_domain(const struct fit *f, int lobe)
+{
+    return &f->domain[f->model.lobe[lobe].kind];
+}
 
 /* Every field in its range. The options are whole, as brdffit_intake_options() makes them; so are all that follow. */
 brdffit_status brdffit_options_check(const brdffit_options *options, brdffit_error *error);
@@ -86,6 +103,9 @@ double brdffit_fit_scale(const struct reduced *data, const brdffit_options *opti
  */
 void brdffit_fit_prepare(struct fit *fit, const brdffit_options *options);
 
+/* A coordinate that is an end of what is claimed, moved up by `steps` times what rounding may have done to it. */
+double brdffit_fit_outwards(double theta, double steps);
+
 /* Make the engine that the options name, after brdffit_fit_prepare(); finish releases what engine socp allocated. */
 brdffit_status brdffit_fit_engine_start(struct fit *fit, const brdffit_options *options, struct engine *engine);
 void brdffit_fit_engine_finish(struct fit *fit, const brdffit_options *options);
@@ -93,8 +113,8 @@ void brdffit_fit_engine_finish(struct fit *fit, const brdffit_options *options);
 /* Have the rules show each box to the options' callback. *options and *fit must live as long as the search. */
 void brdffit_fit_observe(struct fit *fit, const brdffit_options *options, struct search_rules *rules);
 
-/* The roughness of theta, s^(-1/2) whatever the distribution's parameter is, never outside of the options' range. */
-double brdffit_fit_sigma(const struct fit *fit, double theta, const brdffit_options *options);
+/* The roughness of theta, s^(-1/2) whatever the kind's parameter is, never outside of the options' range. */
+double brdffit_fit_sigma(const struct fit *fit, int kind, double theta, const brdffit_options *options);
 
 /* Exact objective at a point in the fit's norm, while its engine is there. With `prove`, value->kkt is meant too. */
 void brdffit_fit_evaluate(struct fit *fit, const struct point *at, int prove, struct varpro_value *value);
@@ -102,6 +122,10 @@ void brdffit_fit_evaluate(struct fit *fit, const struct point *at, int prove, st
 /* Fill fit->handout from the outcome of a search; objective_scale turns its objective into the caller's units. */
 void brdffit_report(struct fit *fit, const brdffit_options *options, double objective_scale,
                     const struct search_result *found);
+
+/* Stop, certified, lower_bound and gap of a result, from its e2, e2_error, sum_of_squares and what was in stop and
+ * lower_bound so far: to be called last, and again when a number has changed. */
+void brdffit_fit_judge(const brdffit_options *options, brdffit_result *result);
 
 /* The public functions of whole structures, in the floating-point environment as it is (entry.c calls them). */
 ENVIRONMENT_APART size_t brdffit_fit_workspace(size_t count, size_t channels, const brdffit_options *options);

@@ -14,6 +14,7 @@ brdffit_status brdffit_sums_init_run(void *memory, size_t size, size_t channels,
 {
     size_t needed = brdffit_sums_size(channels, groups);
     brdffit_status status;
+    struct model model;
 
     if (!memory || !sums || needed == 0) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "sums: NULL, no channels, no groups or too many of them");
@@ -25,11 +26,30 @@ brdffit_status brdffit_sums_init_run(void *memory, size_t size, size_t channels,
     if (options->norm != BRDFFIT_NORM_L2) {
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "sums are those of norm l2: the others need the samples");
     }
+    brdffit_model_make(&model, options);
+    if (model.geometries > 1) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
+                            "sums are of one geometry: lobes of these distributions have several");
+    }
     if (size < needed) {
         return brdffit_fail(error, BRDFFIT_ERR_WORKSPACE, "the memory is smaller than brdffit_sums_size()");
     }
     *sums = brdffit_sums_start(memory, size, channels, groups, options);
     return BRDFFIT_OK;
+}
+
+/* Whether the lobes asked for see the geometry that the samples were summed for: bins have a remainder for their kind. */
+static int same_geometry(const brdffit_sums *sums, const brdffit_options *o)
+{
+    const struct lobe_kind *kind = brdffit_lobe_kind_of(sums->distribution);
+    int p, same = 1;
+
+    for (p = 0; p < o->lobes; p++) {
+        const struct lobe_kind *asked = brdffit_lobe_kind_of(brdffit_model_asked(o, p));
+
+        same = same && asked->row == kind->row && (asked == kind || !sums->bits);
+    }
+    return same;
 }
 
 static brdffit_status check_call(const brdffit_sums *sums, const brdffit_options *o, const void *workspace, size_t size,
@@ -47,7 +67,7 @@ static brdffit_status check_call(const brdffit_sums *sums, const brdffit_options
     if (o->norm != BRDFFIT_NORM_L2 || o->engine != BRDFFIT_ENGINE_MOMENT) {
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "sums are fitted in norm l2 by engine moment only");
     }
-    if (o->distribution != sums->distribution || o->max_incidence != sums->max_incidence) {
+    if (!same_geometry(sums, o) || o->max_incidence != sums->max_incidence) {
         return brdffit_fail(error, BRDFFIT_ERR_OPTION, "the sums were made for another distribution or max_incidence");
     }
     if (sums->bits && o->box) {
@@ -91,14 +111,15 @@ brdffit_status brdffit_fit_sums_run(const brdffit_sums *sums, const brdffit_opti
     }
     if (status == BRDFFIT_OK) {
         inner = *options;
+        fit.rows_error = 9.0 * TOL_GRAM * TOL_UNIT;
         inner.relative_gap *= sums->bits ? 0.5 : 1.0; /* the other half is for the bins */
         status = brdffit_fit_finish(&fit, &inner, error);
     }
+    if (status == BRDFFIT_OK && sums->bits) {
+        brdffit_sums_remainder(sums, options, &fit.handout->result);
+        brdffit_fit_judge(options, &fit.handout->result);
+    }
     if (status == BRDFFIT_OK) {
-        fit.handout->result.e2_error = 9.0 * TOL_GRAM * TOL_UNIT * fit.handout->result.sum_of_squares;
-        if (sums->bits) {
-            brdffit_sums_remainder(sums, options, &fit.handout->result);
-        }
         *result = &fit.handout->result;
     }
     return status;

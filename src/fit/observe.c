@@ -5,12 +5,12 @@
 #include "fit/fit.h"
 
 /* Halvings of an interval since the first partition. Its sides are rounded, but far finer than a factor of 3/4. */
-static int halvings(const struct fit *f, uint32_t interval)
+static int halvings(const struct fit *f, int kind, uint32_t interval)
 {
-    const struct axis *axis = &f->axis;
+    const struct axis *axis = &f->axis[kind];
     const struct axis_interval *i = &axis->interval[interval];
     double width = axis->coordinate[i->high] - axis->coordinate[i->low];
-    double whole = (f->theta_high - f->theta_low) / axis->first;
+    double whole = (f->domain[kind].high - f->domain[kind].low) / axis->first;
     int level = 0;
 
     while (width > 0.0 && width < 0.75 * whole) {
@@ -20,29 +20,44 @@ static int halvings(const struct fit *f, uint32_t interval)
     return level;
 }
 
-/* Side of one lobe; sigma falls with theta, and beyond theta_high nothing changes up to theta_flat. */
-static void side(const struct observer *v, uint32_t interval, double *low, double *high)
+/* Side of one lobe; sigma falls with theta, and beyond the domain's high end nothing changes up to its flat one. */
+static void side(const struct observer *v, int kind, uint32_t interval, double *low, double *high)
 {
-    const struct fit *f = v->fit;
-    const struct axis_interval *i = &f->axis.interval[interval];
-    double end = f->axis.coordinate[i->high];
+    const struct axis *axis = &v->fit->axis[kind];
+    const struct domain *domain = &v->fit->domain[kind];
+    const struct axis_interval *i = &axis->interval[interval];
+    double end = axis->coordinate[i->high];
 
-    *low = brdffit_fit_sigma(f, end < f->theta_high || f->theta_flat < end ? end : f->theta_flat, v->options);
-    *high = brdffit_fit_sigma(f, f->axis.coordinate[i->low], v->options);
+    *low = brdffit_fit_sigma(v->fit, kind, end < domain->high || domain->flat < end ? end : domain->flat, v->options);
+    *high = brdffit_fit_sigma(v->fit, kind, axis->coordinate[i->low], v->options);
+}
+
+/* The lobe shown in place p: like lobes are in ascending theta in a box, and in ascending sigma here. */
+static int shown_lobe(const struct model *model, int p)
+{
+    int first = model->lobe[p].first, last = p;
+
+    while (last + 1 < model->lobes && model->lobe[last + 1].first == first) {
+        last++;
+    }
+    return first + last - p;
 }
 
 static void show(void *self, const struct box *box)
 {
     const struct observer *v = self;
-    int lobes = v->options->lobes, p;
+    const struct model *model = &v->fit->model;
     double low[BRDFFIT_MAX_LOBES], high[BRDFFIT_MAX_LOBES];
-    brdffit_box shown = {.lobes = lobes, .sigma_low = low, .sigma_high = high, .lower_bound = box->bound * v->scale};
+    brdffit_box shown = {
+        .lobes = model->lobes, .sigma_low = low, .sigma_high = high, .lower_bound = box->bound * v->scale};
+    int p;
 
-    for (p = 0; p < lobes; p++) {
-        uint32_t interval = box->interval[lobes - 1 - p]; /* ascending theta there, ascending sigma here */
+    for (p = 0; p < model->lobes; p++) {
+        uint32_t interval = box->interval[shown_lobe(model, p)];
+        int kind = model->lobe[p].kind;
 
-        side(v, interval, &low[p], &high[p]);
-        shown.level += halvings(v->fit, interval);
+        side(v, kind, interval, &low[p], &high[p]);
+        shown.level += halvings(v->fit, kind, interval);
     }
     v->options->box(v->options->box_user, &shown);
 }

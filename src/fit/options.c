@@ -46,14 +46,13 @@ static brdffit_status check_choices(const brdffit_options *o, brdffit_error *err
     int p;
 
     if (!(o->lobes >= 1 && o->lobes <= BRDFFIT_MAX_LOBES)) {
-        return bad(error, "lobes must be 1 or 2", o->lobes);
+        return bad(error, "lobes must be 1, 2 or 3", o->lobes);
     }
-    if (!((unsigned)o->distribution < BRDFFIT_DISTRIBUTION_COUNT)) {
-        return bad(error, "unknown distribution", (double)o->distribution);
-    }
-    for (p = 0; o->distributions && p < o->lobes; p++) {
-        if (o->distributions[p] != o->distribution) {
-            return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "lobes of several distributions");
+    for (p = 0; p < o->lobes; p++) {
+        brdffit_distribution distribution = brdffit_model_asked(o, p);
+
+        if (!((unsigned)distribution < BRDFFIT_DISTRIBUTION_COUNT)) {
+            return bad(error, "unknown distribution", (double)distribution);
         }
     }
     if (!((unsigned)o->engine < BRDFFIT_ENGINE_COUNT)) {
@@ -122,10 +121,10 @@ static uint32_t node_capacity(const brdffit_options *o)
     return (uint32_t)(wanted < cap ? wanted : cap);
 }
 
-/* Boxes open at once: a split closes one and opens at most three. */
+/* Boxes open at once: a split closes one and opens one more than lobes at most. */
 static size_t heap_capacity(const brdffit_options *o)
 {
-    size_t wanted = o->box_budget < LIMIT_HEAP ? o->box_budget + 4 : LIMIT_HEAP;
+    size_t wanted = o->box_budget < LIMIT_HEAP ? o->box_budget + 2 + BRDFFIT_MAX_LOBES : LIMIT_HEAP;
 
     return wanted < LIMIT_HEAP ? wanted : LIMIT_HEAP;
 }
@@ -133,25 +132,30 @@ static size_t heap_capacity(const brdffit_options *o)
 void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t channels, const brdffit_options *o)
 {
     uint32_t nodes = node_capacity(o);
+    int kind;
 
-    brdffit_reduce_layout(&f->data, arena, count, channels);
+    brdffit_model_make(&f->model, o);
+    brdffit_reduce_layout(&f->data, arena, count, channels, f->model.geometries);
     if (arena->failed) {
         return;
     }
+    f->rows_error = 0.0;
     f->handout = brdffit_arena_take(arena, 1, sizeof *f->handout);
     f->x = ARENA_DOUBLES(arena, channels);
     f->y = brdffit_arena_take(arena, channels, (size_t)o->lobes * sizeof(double));
     f->rms = ARENA_DOUBLES(arena, channels);
-    brdffit_varpro_layout(&f->varpro, arena, count, channels, o->lobes);
-    brdffit_axis_layout(&f->axis, arena, nodes);
+    brdffit_varpro_layout(&f->varpro, arena, count, channels, &f->model);
+    for (kind = 0; kind < f->model.kinds; kind++) {
+        brdffit_axis_layout(&f->axis[kind], arena, nodes);
+    }
     brdffit_heap_layout(&f->heap, arena, heap_capacity(o));
     if (o->norm != BRDFFIT_NORM_L2) {
-        brdffit_l1_linf_layout(&f->restricted, arena, count, channels, o->lobes, o->norm);
-        brdffit_bound_lp_layout(&f->linear, arena, count, channels, o->lobes, o->norm);
+        brdffit_l1_linf_layout(&f->restricted, arena, count, channels, &f->model, o->norm);
+        brdffit_bound_lp_layout(&f->linear, arena, count, channels, &f->model, o->norm);
     } else if (o->engine == BRDFFIT_ENGINE_SOCP) {
-        brdffit_bound_socp_layout(&f->socp, arena, count, channels, o->lobes);
+        brdffit_bound_socp_layout(&f->socp, arena, count, channels, &f->model);
     } else {
-        brdffit_bound_moment_layout(&f->moment, arena, count, channels, nodes, o->lobes);
+        brdffit_bound_moment_layout(&f->moment, arena, count, channels, nodes, &f->model);
     }
 }
 

@@ -5,6 +5,8 @@
 #include <math.h>
 
 #include "fit/fit.h"
+#include "fit/published.h"
+#include "fit/verdict.h"
 #include "base/exp.h"
 #include "base/intake.h"
 #include "base/tolerance.h"
@@ -14,22 +16,41 @@ static double clamp(double value, double low, double high)
     return value < low ? low : value > high ? high : value;
 }
 
-/* The exponent n = s of theta: the options' own number at an end of the range, and never outside of it. */
-static double exponent_of(const struct fit *f, double theta, const brdffit_options *o)
+/* What is claimed ends at `flat`, and the search a little beyond (domain.c). */
+static double claimed(const struct domain *d, double theta)
 {
-    return theta <= f->theta_low    ? o->exponent_min
-           : theta >= f->theta_tail ? o->exponent_max
-                                    : clamp(kernel_exp(theta), o->exponent_min, o->exponent_max);
+    return d->flat >= d->low && theta > d->flat ? d->flat : theta;
 }
 
-double brdffit_fit_sigma(const struct fit *f, double theta, const brdffit_options *o)
+/* Whether theta is an end of the options' range to rounding: those ends were moved outwards by that (domain.c). */
+static int at_low_end(const struct domain *d, double theta)
 {
-    if (f->kind->by_exponent) {
-        return 1.0 / sqrt(exponent_of(f, theta, o));
+    return theta <= brdffit_fit_outwards(d->low, 2.0);
+}
+
+static int at_high_end(const struct domain *d, double theta)
+{
+    return theta >= brdffit_fit_outwards(d->tail, -2.0);
+}
+
+/* The exponent n = s of theta: the options' own number at an end of the range, and never outside of it. */
+static double exponent_of(const struct fit *f, int kind, double theta, const brdffit_options *o)
+{
+    theta = claimed(&f->domain[kind], theta);
+    return at_low_end(&f->domain[kind], theta)    ? o->exponent_min
+           : at_high_end(&f->domain[kind], theta) ? o->exponent_max
+                                                  : clamp(kernel_exp(theta), o->exponent_min, o->exponent_max);
+}
+
+double brdffit_fit_sigma(const struct fit *f, int kind, double theta, const brdffit_options *o)
+{
+    if (f->model.kind[kind]->by_exponent) {
+        return 1.0 / sqrt(exponent_of(f, kind, theta, o));
     }
-    return theta <= f->theta_low    ? o->sigma_max
-           : theta >= f->theta_tail ? o->sigma_min
-                                    : clamp(kernel_exp(-0.5 * theta), o->sigma_min, o->sigma_max);
+    theta = claimed(&f->domain[kind], theta);
+    return at_low_end(&f->domain[kind], theta)    ? o->sigma_max
+           : at_high_end(&f->domain[kind], theta) ? o->sigma_min
+                                                  : clamp(kernel_exp(-0.5 * theta), o->sigma_min, o->sigma_max);
 }
 
 static double objective_at(struct fit *f, struct point at, int p, double theta)
@@ -86,14 +107,14 @@ static double flat_end(struct fit *f, const struct point *at, int p, double end,
 }
 
 /* The roughness at theta, and the interval from there up to theta `high`, in the parameter's terms too. */
-static void publish_roughness(const struct fit *f, double theta, double high, const brdffit_options *o,
+static void publish_roughness(const struct fit *f, int kind, double theta, double high, const brdffit_options *o,
                               brdffit_lobe *lobe)
 {
-    lobe->sigma = lobe->sigma_high = brdffit_fit_sigma(f, theta, o);
-    lobe->sigma_low = brdffit_fit_sigma(f, high, o);
-    if (f->kind->by_exponent) {
-        lobe->exponent = lobe->exponent_low = exponent_of(f, theta, o);
-        lobe->exponent_high = exponent_of(f, high, o);
+    lobe->sigma = lobe->sigma_high = brdffit_fit_sigma(f, kind, theta, o);
+    lobe->sigma_low = brdffit_fit_sigma(f, kind, high, o);
+    if (f->model.kind[kind]->by_exponent) {
+        lobe->exponent = lobe->exponent_low = exponent_of(f, kind, theta, o);
+        lobe->exponent_high = exponent_of(f, kind, high, o);
     }
 }
 
@@ -115,91 +136,41 @@ static unsigned move_to_largest(struct fit *f, struct point *at, const struct le
     unsigned flat = 0;
     int p;
 
-    for (p = 0; p < f->varpro.lobes; p++) {
-        if (!(curved >> p & 1) && flat_towards(f, at, p, f->theta_low, level) &&
-            flat_towards(f, at, p, f->theta_high, level)) {
-            at->theta[p] = flat_end(f, at, p, f->theta_low, level);
+    for (p = 0; p < f->model.lobes; p++) {
+        const struct domain *d = fit_domain(f, p);
+
+        if (!(curved >> p & 1) && flat_towards(f, at, p, d->low, level) && flat_towards(f, at, p, d->high, level)) {
+            at->theta[p] = flat_end(f, at, p, d->low, level);
             flat |= 1u << p;
         }
     }
     return flat;
 }
 
-/* Roughness and its interval, with the other lobe where it ended up. */
+/* Roughness and its interval, with the other lobes where they ended up. */
 static void describe_lobe(struct fit *f, const struct point *at, int p, int flat, const struct level *level,
                           const brdffit_options *o, brdffit_lobe *lobe)
 {
+    const struct domain *d = fit_domain(f, p);
     double high = at->theta[p];
 
     lobe->warnings = 0;
     if (flat) {
-        high = flat_end(f, at, p, f->theta_high, level);
-        high = high < f->theta_high ? high : f->theta_flat;
+        high = flat_end(f, at, p, d->high, level);
+        high = high < d->high ? high : d->flat;
     }
     if (high > at->theta[p]) {
         lobe->warnings |= BRDFFIT_WARN_FLAT;
-    } else if (at->theta[p] <= f->theta_low || at->theta[p] >= f->theta_tail) {
+    } else if (at_low_end(d, at->theta[p]) || at_high_end(d, at->theta[p])) {
         lobe->warnings |= BRDFFIT_WARN_AT_LIMIT;
     }
-    publish_roughness(f, at->theta[p], high, o, lobe);
-}
-
-/* N_eff = (sum g^2)^2 / sum g^4 over samples. */
-static double effective_samples(struct fit *f, double theta)
-{
-    const struct reduced *data = &f->data;
-    double u[3], h = 0.0, sum = 0.0;
-    size_t j;
-
-    f->kind->variable(data->c_min, theta, u);
-    f->kind->shape(f->varpro.kernels, data->c, data->stride, u[0], f->varpro.phi);
-    for (j = 0; j < data->distinct; j++) {
-        h += data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]);
-    }
-    for (j = 0; j < data->distinct && h > 0.0; j++) {
-        double share = data->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]) / h;
-
-        sum += share * share * data->concentration[j];
-    }
-    return sum > 0.0 ? 1.0 / sum : 0.0;
-}
-
-/* Coefficient of a column of the vector form, in the data's units. */
-static double in_data_units(const struct fit *f, const struct nnls_answer *answer, size_t k, int j)
-{
-    const struct nnls *nnls = &f->varpro.nnls;
-    double z = answer->unit[j];
-
-    if (!(z > 0.0)) {
-        return 0.0;
-    }
-    return z / nnls->norm[j] * (answer->data_scale / nnls->scale[j]) * f->data.channel_scale[k];
-}
-
-static void coefficients(struct fit *f, const struct point *at)
-{
-    const struct reduced *data = &f->data;
-    int lobes = f->varpro.lobes, p;
-    size_t k;
-
-    for (k = 0; k < data->channels; k++) {
-        const struct nnls_answer *answer = &f->varpro.answer[k];
-
-        f->x[k] = in_data_units(f, answer, k, 0) / data->scale_a;
-        for (p = 0; p < lobes; p++) {
-            double factor = f->kind->factor(data->c_min, kernel_exp(at->theta[p]));
-            double y = in_data_units(f, answer, k, 1 + p) / data->scale_b;
-
-            f->y[k * (size_t)lobes + (size_t)p] = y > 0.0 && factor > 0.0 ? y / factor : 0.0;
-        }
-        f->rms[k] = answer->data_scale * sqrt(answer->rss / data->weight_sum) * data->channel_scale[k];
-    }
+    publish_roughness(f, f->model.lobe[p].kind, at->theta[p], high, o, lobe);
 }
 
 static void lobe_shares(const struct fit *f, brdffit_lobe *lobe)
 {
-    double sum[BRDFFIT_MAX_LOBES] = {0.0, 0.0}, all = 0.0, largest = 0.0;
-    size_t k, lobes = (size_t)f->varpro.lobes, p;
+    double sum[BRDFFIT_MAX_LOBES] = {0.0}, all = 0.0, largest = 0.0;
+    size_t k, lobes = (size_t)f->model.lobes, p;
 
     for (k = 0; k < f->data.channels * lobes; k++) {
         largest = fmax(largest, f->y[k]);
@@ -223,15 +194,9 @@ static void lobe_shares(const struct fit *f, brdffit_lobe *lobe)
     }
 }
 
-static void certificate(const struct fit *f, const struct search_result *found, double objective, double scale,
-                        const brdffit_options *o, brdffit_result *result)
+static void count_work(const struct fit *f, const struct search_result *found, const brdffit_options *o,
+                       brdffit_result *result)
 {
-    result->e2 = objective * scale;
-    result->lower_bound = fmin(found->lower_bound * scale, result->e2);
-    result->gap = result->e2 - result->lower_bound;
-    result->sum_of_squares = f->data.total * scale;
-    result->stop = found->stop;
-    result->certified = found->stop == BRDFFIT_STOP_RELATIVE_GAP || found->stop == BRDFFIT_STOP_ABSOLUTE_GAP;
     result->boxes = found->boxes;
     if (o->norm != BRDFFIT_NORM_L2) {
         result->nodes = f->restricted.evaluated;
@@ -248,34 +213,50 @@ static void certificate(const struct fit *f, const struct search_result *found, 
     }
 }
 
-/* Weighted sum of squared residuals of the last evaluation, whatever the norm. */
-static double sum_of_squares(const struct fit *f)
+void brdffit_fit_judge(const brdffit_options *o, brdffit_result *result)
 {
-    double sum = 0.0;
-    size_t k;
+    const struct evidence evidence = {result->e2,      result->e2_error, result->lower_bound, result->sum_of_squares,
+                                      o->relative_gap, o->absolute_gap,  result->stop};
+    struct verdict verdict = brdffit_verdict(&evidence);
 
-    for (k = 0; k < f->data.channels; k++) {
-        const struct nnls_answer *answer = &f->varpro.answer[k];
-
-        sum += answer->rss * (answer->data_scale * answer->data_scale);
-    }
-    return sum;
+    result->stop = verdict.stop;
+    result->certified = verdict.certified;
+    result->lower_bound = verdict.lower_bound;
+    result->gap = verdict.gap;
 }
 
-/* Lobes in ascending sigma, that is, descending theta; returns whether they were not. */
-static int order_lobes(struct point *at, brdffit_lobe *lobe, int lobes)
+/* The numbers of the proof, in the caller's units, and what follows from them. */
+static void certificate(const struct fit *f, const struct search_result *found, const struct published *published,
+                        double scale, const brdffit_options *o, brdffit_result *result)
 {
-    double theta = at->theta[0];
-    brdffit_lobe first = lobe[0];
+    result->e2 = published->objective * scale;
+    result->e2_error = published->error * scale;
+    result->lower_bound = found->lower_bound * scale;
+    result->sum_of_squares = f->data.total * scale;
+    result->stop = found->stop;
+    result->rms_total = sqrt(published->squares / ((double)f->data.channels * f->data.weight_sum)) *
+                        (o->normalise == BRDFFIT_NORMALISE_NONE ? f->data.channel_scale[0] : 1.0) * f->data.value_scale;
+    brdffit_fit_judge(o, result);
+}
 
-    if (lobes < 2 || !(theta < at->theta[1])) {
-        return 0;
+/* Like lobes in ascending sigma, that is, descending theta; returns whether they were not. */
+static int order_lobes(const struct model *model, struct point *at, brdffit_lobe *lobe)
+{
+    int p, q, swapped = 0;
+
+    for (p = 1; p < model->lobes; p++) {
+        for (q = p; q > model->lobe[p].first && at->theta[q - 1] < at->theta[q]; q--) {
+            double theta = at->theta[q - 1];
+            brdffit_lobe other = lobe[q - 1];
+
+            at->theta[q - 1] = at->theta[q];
+            at->theta[q] = theta;
+            lobe[q - 1] = lobe[q];
+            lobe[q] = other;
+            swapped = 1;
+        }
     }
-    at->theta[0] = at->theta[1];
-    at->theta[1] = theta;
-    lobe[0] = lobe[1];
-    lobe[1] = first;
-    return 1;
+    return swapped;
 }
 
 /* Lobes, as bits, whose curvature at the point leaves no doubt that FLAT_STEP changes the objective. */
@@ -284,12 +265,38 @@ static unsigned curved_lobes(const struct fit *f, const struct varpro_value *val
     unsigned curved = 0;
     int p;
 
-    for (p = 0; p < f->varpro.lobes; p++) {
+    for (p = 0; p < f->model.lobes; p++) {
         if (0.5 * value->hessian[p][p] * (FLAT_STEP * FLAT_STEP) > FLAT_DOUBT * level->tolerance) {
             curved |= 1u << p;
         }
     }
     return curved;
+}
+
+/* The range of every lobe reaches down to this roughness; infinity where no lobe is left. */
+static double sigma_floor(const struct fit *f, const brdffit_options *o)
+{
+    double largest = 0.0;
+    int kind;
+
+    for (kind = 0; kind < f->model.kinds; kind++) {
+        const struct domain *d = &f->domain[kind];
+
+        largest = fmax(largest, d->flat < d->low ? INFINITY : brdffit_fit_sigma(f, kind, d->flat, o));
+    }
+    return largest;
+}
+
+/* Below this roughness the data see no change of any lobe. */
+static double sigma_tail(const struct fit *f, const brdffit_options *o)
+{
+    double least = INFINITY;
+    int kind;
+
+    for (kind = 0; kind < f->model.kinds; kind++) {
+        least = fmin(least, brdffit_fit_sigma(f, kind, f->domain[kind].high, o));
+    }
+    return least;
 }
 
 /* The model, which points to what the handout and the fit hold. */
@@ -299,7 +306,7 @@ static void publish_model(struct fit *f, const brdffit_options *o)
     int p;
 
     h->model.struct_size = INTAKE_LEAST(brdffit_model, distributions);
-    h->model.distribution = o->distribution;
+    h->model.distribution = f->model.distribution[0];
     h->model.lobes = o->lobes;
     h->model.channels = f->data.channels;
     h->model.sigma = h->sigma;
@@ -308,7 +315,7 @@ static void publish_model(struct fit *f, const brdffit_options *o)
     h->model.distributions = h->distributions;
     for (p = 0; p < o->lobes; p++) {
         h->sigma[p] = h->lobe[p].sigma;
-        h->distributions[p] = o->distributions ? o->distributions[p] : o->distribution;
+        h->distributions[p] = f->model.distribution[p];
         h->lobes[p] = &h->lobe[p];
     }
     h->result.model = &h->model;
@@ -328,8 +335,8 @@ static void publish(struct fit *f, const brdffit_options *o)
     }
     result->channel_scale = f->data.channel_scale;
     result->rms = f->rms;
-    result->sigma_floor = f->theta_flat < f->theta_low ? INFINITY : brdffit_fit_sigma(f, f->theta_flat, o);
-    result->sigma_tail = brdffit_fit_sigma(f, f->theta_high, o);
+    result->sigma_floor = sigma_floor(f, o);
+    result->sigma_tail = sigma_tail(f, o);
     result->distinct_c = f->data.distinct;
     result->channels_zero = f->data.channels_zero;
     result->channels_identical = f->data.channels_identical;
@@ -345,13 +352,15 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     static const struct handout zero;
     struct handout *h = f->handout;
     struct point at = found->point;
-    const struct level level = level_of(f, found->objective);
+    const struct level level = level_of(f, f->least);
+    struct published published;
     struct varpro_value value;
+    double sigma[BRDFFIT_MAX_LOBES];
     unsigned all = (1u << o->lobes) - 1, curved = 0, flat;
     int p, swapped;
 
     *h = zero;
-    (void)order_lobes(&at, h->lobe, o->lobes);
+    (void)order_lobes(&f->model, &at, h->lobe);
     if (f->norm == BRDFFIT_NORM_L2) {
         brdffit_varpro_evaluate(&f->varpro, &at, 1, &value);
         curved = curved_lobes(f, &value, &level);
@@ -359,17 +368,21 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     flat = move_to_largest(f, &at, &level, curved);
     for (p = 0; p < o->lobes; p++) {
         describe_lobe(f, &at, p, (flat >> p) & 1, &level, o, &h->lobe[p]);
-        h->lobe[p].effective_samples = effective_samples(f, at.theta[p]);
     }
-    swapped = order_lobes(&at, h->lobe, o->lobes);
+    swapped = order_lobes(&f->model, &at, h->lobe);
     if (curved != all || swapped) {
         brdffit_fit_evaluate(f, &at, 1, &value);
     }
-    coefficients(f, &at);
+    for (p = 0; p < o->lobes; p++) {
+        sigma[p] = h->lobe[p].sigma;
+    }
+    published = brdffit_fit_publish(f, sigma);
+    for (p = 0; p < o->lobes; p++) {
+        h->lobe[p].effective_samples = published.effective[p];
+    }
     lobe_shares(f, h->lobe);
-    certificate(f, found, value.objective, objective_scale, o, &h->result);
-    h->result.rms_total = sqrt(sum_of_squares(f) / ((double)f->data.channels * f->data.weight_sum)) *
-                          (o->normalise == BRDFFIT_NORMALISE_NONE ? f->data.channel_scale[0] : 1.0);
+    count_work(f, found, o, &h->result);
+    certificate(f, found, &published, objective_scale, o, &h->result);
     h->result.kkt_residual = value.kkt;
     publish_model(f, o);
     publish(f, o);

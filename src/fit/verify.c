@@ -5,8 +5,8 @@
  * then nothing beats the incumbent, a box is closed when its bound reaches the level, and boxes that do not are split.
  * Every box passes through bound() once, so leaves are counted there.
  *
- * The measure of the domain is by theta = ln s; with two lobes of the pairs theta_0 <= theta_1, where a box on the
- * diagonal counts half. Both halves of a domain without extent (one theta) count as 1.
+ * The measure of the domain is by theta = ln s; of like lobes only points with ascending theta count, so that a box with
+ * a run of r equal sides counts 1/r!. A domain without extent (one theta) counts as 1.
  */
 #include <math.h>
 
@@ -22,22 +22,28 @@ struct verifier {
     size_t leaves;
 };
 
-static double length(const struct verifier *r, uint32_t interval)
+static double length(const struct verifier *r, int kind, uint32_t interval)
 {
-    const struct axis *axis = &r->fit->axis;
+    const struct axis *axis = &r->fit->axis[kind];
     const struct axis_interval *i = &axis->interval[interval];
+    double extent = r->fit->domain[kind].high - r->fit->domain[kind].low;
 
-    return r->whole > 0.0 ? axis->coordinate[i->high] - axis->coordinate[i->low] : 1.0;
+    return extent > 0.0 ? axis->coordinate[i->high] - axis->coordinate[i->low] : 1.0;
 }
 
 static double measure(const struct verifier *r, const struct box *box)
 {
-    double first = length(r, box->interval[0]);
+    const struct model *model = &r->fit->model;
+    double product = 1.0;
+    int p, run = 0;
 
-    if (r->engine.lobes == 1) {
-        return first;
+    for (p = 0; p < model->lobes; p++) {
+        int again = p > model->lobe[p].first && box->interval[p] == box->interval[p - 1];
+
+        run = again ? run + 1 : 1;
+        product *= length(r, model->lobe[p].kind, box->interval[p]) / run;
     }
-    return (box->interval[0] == box->interval[1] ? 0.5 : 1.0) * first * length(r, box->interval[1]);
+    return product;
 }
 
 static double bound(void *self, struct box *box, struct point *met)
@@ -61,43 +67,48 @@ static double try_point(void *self, struct point *point)
     return r->level;
 }
 
-static double width(void *self, uint32_t interval)
+static double width(void *self, int kind, uint32_t interval)
 {
     const struct verifier *r = self;
 
-    return r->engine.width(r->engine.self, interval);
+    return r->engine.width(r->engine.self, kind, interval);
 }
 
-static double measure_of_domain(const struct fit *f, int lobes)
+static double measure_of_domain(const struct fit *f)
 {
-    double extent = f->theta_high - f->theta_low;
+    double product = 1.0;
+    int p;
 
-    return lobes == 1 ? extent : 0.5 * extent * extent;
+    for (p = 0; p < f->model.lobes; p++) {
+        double extent = fit_domain(f, p)->high - fit_domain(f, p)->low;
+
+        product *= (extent > 0.0 ? extent : 1.0) / (1.0 + p - f->model.lobe[p].first);
+    }
+    return product;
 }
 
 static void verify(struct fit *f, const brdffit_options *o, struct search_rules *rules, struct verifier *r,
                    double level)
 {
     brdffit_verification *out = &f->handout->verification;
-    double scale = brdffit_fit_scale(&f->data, o), whole;
+    double scale = brdffit_fit_scale(&f->data, o);
     struct engine engine;
     struct search_result found;
 
     r->fit = f;
     r->leaves = 0;
     r->proven = 0.0;
-    r->whole = measure_of_domain(f, o->lobes);
+    r->whole = measure_of_domain(f);
     r->level = level / scale;
-    whole = r->whole > 0.0 ? r->whole : o->lobes == 1 ? 1.0 : 0.5;
     engine.self = r;
-    engine.lobes = o->lobes;
+    engine.sides = r->engine.sides;
     engine.bound = bound;
     engine.start = NULL;
     engine.try_point = try_point;
     engine.width = width;
     engine.noise = 0.0;
     rules->relative_gap = rules->absolute_gap = 0.0;
-    brdffit_search(&f->axis, &f->heap, &engine, rules, &found);
+    brdffit_search(f->axis, &f->heap, &engine, rules, &found);
     out->level = level;
     out->proven = found.lower_bound >= r->level;
     out->stop = found.stop;
@@ -106,7 +117,7 @@ static void verify(struct fit *f, const brdffit_options *o, struct search_rules 
     out->solved = f->socp.solved;
     out->refused = f->socp.refused;
     out->decided = f->socp.decided;
-    out->unproven = out->proven ? 0.0 : fmax(0.0, 1.0 - r->proven / whole);
+    out->unproven = out->proven ? 0.0 : fmax(0.0, 1.0 - r->proven / r->whole);
 }
 
 brdffit_status brdffit_verify_run(const brdffit_samples *samples, const brdffit_options *options, double level,

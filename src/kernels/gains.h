@@ -1,25 +1,30 @@
 /*
  * Gains at the corners of a box and what they bound: a part of kernels_body.h. SPDX-License-Identifier: MIT
  *
- * The climb. Let one side run over fraction x of its interval, with w(x) = 4 x (1 - x), and let J_e(v) be the gain at
- * end e with v times the side's shifts. On the box J(x) is at most the gain of the chord of (t, M) with w(x) times the
- * shifts (bound.c). The gain being convex in (t, M),
+ * The maximum over a box. Let one side run over fraction x of its interval, with w(x) = 4 x (1 - x), and let J_e(v) be
+ * the gain at end e with v times the side's shifts. On the box J(x) is at most the gain of the chord of (t, M) with w(x)
+ * times the shifts (bound/moment/bound.c). The gain being convex in (t, M),
  *
  *     J(x) <= (1 - x) [(1 - w) J_0(0) + w J_0(1)] + x [(1 - w) J_1(0) + w J_1(1)],
  *
- * a cubic in x with four known numbers, whose weights are >= 0 and add up to 1; call its maximum over [0, 1] the
- * climb F(J_0(0), J_0(1), J_1(0), J_1(1)). F is convex and rises with each argument, so with a second side, along
- * which each of the four numbers is at most such a mean again, J <= F(F(..), F(..), F(..), F(..)): climbs along one
- * side inside, along the other outside, in either order.
+ * a cubic in x with four known numbers, whose weights are >= 0 and add up to 1; call its maximum over [0, 1]
+ * F(J_0(0), J_0(1), J_1(0), J_1(1)). F is convex and rises with each argument, so with a second side, along which each
+ * of the four numbers is at most such a mean again, J <= F(F(..), F(..), F(..), F(..)): the maximum along one side
+ * inside, along the other outside, in either order; and so on with a third.
  *
  * An interior maximum is a root of the quadratic derivative. Any x in [0, 1] gives a value of the cubic, so a root
  * that is off by d costs the second derivative times d^2 / 2; the values themselves carry a few u of the largest, and
  * the maximum is at least 0.35 of that (each number's weight reaches 16/27 along a side). TOL_GAIN covers both.
+ *
+ * Range. The sum of squares of the data is about 1 (reduce.h), so that gains at true (t, M) are at most that; shifts
+ * beyond LIMIT_SHIFT are not used (bound.c), so that no gain exceeds LIMIT_SHIFT^2 times a small number, and the
+ * discriminant is far from overflow. Where it underflows, the four numbers are below 1e-150, and what is lost of a
+ * mean of them is less than the slack, a part of the sum of squares, by a hundred orders of magnitude.
  */
-#ifndef BRDFFIT_KERNELS_GAINS_H
-#define BRDFFIT_KERNELS_GAINS_H
+#ifndef BRDFFIT_GAINS_H
+#define BRDFFIT_GAINS_H
 
-#include "kernels/gain.h"
+#include "kernels/gain_n.h"
 #include "kernels/kernels.h"
 
 /* The cubic at x, clipped to [0, 1]; a NaN counts as 0. */
@@ -29,7 +34,7 @@ LANES_INLINE vec cubic_at(vec start, vec slope, vec a, vec e, vec x)
     return start + x * (slope + 4.0 * (1.0 - x) * (a + e * x));
 }
 
-LANES_INLINE vec climb(vec low, vec low_shifted, vec high, vec high_shifted)
+LANES_INLINE vec side_maximum(vec low, vec low_shifted, vec high, vec high_shifted)
 {
     vec slope = high - low, a = low_shifted - low, b = high_shifted - high, e = b - a;
     vec c0 = slope + 4.0 * a, c1 = 8.0 * (e - a), c2 = -12.0 * e; /* the derivative c0 + c1 x + c2 x^2 */
@@ -40,96 +45,151 @@ LANES_INLINE vec climb(vec low, vec low_shifted, vec high, vec high_shifted)
     return vec_max(best, vec_max(low, high));
 }
 
-/* Four arguments of a climb in `count` lanes, a multiple of VEC: [low, low shifted, high, high shifted][lane]. */
-LANES_INLINE void climbs(double (*argument)[LANES], size_t count, double *out)
+/* Four arguments of side_maximum() in `count` lanes, a multiple of VEC: [low, low shifted, high, high shifted][lane]. */
+LANES_INLINE void side_maxima(double (*argument)[LANES], size_t count, double *out)
 {
     size_t part;
 
     for (part = 0; part < count; part += VEC) {
-        vec_store(out + part, climb(vec_load(argument[0] + part), vec_load(argument[1] + part),
-                                    vec_load(argument[2] + part), vec_load(argument[3] + part)));
+        vec_store(out + part, side_maximum(vec_load(argument[0] + part), vec_load(argument[1] + part),
+                                           vec_load(argument[2] + part), vec_load(argument[3] + part)));
     }
 }
 
 /*
- * Lane l = c0 + 2 c1 + 4 s0 of two lobes; with one, lane c0 + 2 s0. A lane's numbers are chosen by masks from registers
- * that hold one number each: an array filled by scalars and read as a vector would wait for memory.
+ * Index i of a gain is corner bits, then shift bits; its low three bits are the lane. A lane's numbers are chosen by masks
+ * from registers that hold one number each: an array filled by scalars and read as a vector would wait for memory.
  */
 static const int64_t lane_bit[3][LANES] = {
     {0, -1, 0, -1, 0, -1, 0, -1}, {0, 0, -1, -1, 0, 0, -1, -1}, {0, 0, 0, 0, -1, -1, -1, -1}};
 
-/* In lanes from `part` on: `on` where bit `b` of the lane is set, else `off`. */
-LANES_INLINE vec by_bit(int b, size_t part, double off, double on)
+/* In lanes from `part` on of that block: `on` where bit `b` of the index is set, else `off`. */
+LANES_INLINE vec by_bit(unsigned b, unsigned block, size_t part, double off, double on)
 {
-    return vec_select(vec_load_mask(lane_bit[b] + part), vec_set(on), vec_set(off));
+    if (b < 3) {
+        return vec_select(vec_load_mask(lane_bit[b] + part), vec_set(on), vec_set(off));
+    }
+    return vec_set(block >> (b - 3) & 1 ? on : off);
 }
 
-static void gains_one(const struct gains_one *in, double gain[4])
+/* The one of four numbers that bits b0 and b1 of the index name. */
+LANES_INLINE vec by_bits(unsigned b0, unsigned b1, unsigned block, size_t part, const double v[4])
+{
+    if (b1 < 3) {
+        return vec_select(vec_load_mask(lane_bit[b1] + part), by_bit(b0, block, part, v[2], v[3]),
+                          by_bit(b0, block, part, v[0], v[1]));
+    }
+    return block >> (b1 - 3) & 1 ? by_bit(b0, block, part, v[2], v[3]) : by_bit(b0, block, part, v[0], v[1]);
+}
+
+/* Off-diagonals 01, 02, .., 12, .. of the Gram matrix: the fixed column comes first, side p is column 1 + p. */
+LANES_INLINE void cosines_at(const struct gains *in, const unsigned S, unsigned block, size_t part, vec *cosine)
+{
+    const vec zero = vec_set(0.0);
+    unsigned p, q, e;
+
+#pragma GCC unroll 8
+    for (e = 0; e < S; e++) {
+        cosine[e] = by_bit(e, block, part, in->cosine[e][0], in->cosine[e][1]) -
+                    by_bit(S + e, block, part, 0.0, in->fall[e][0]);
+        cosine[e] = vec_max(cosine[e], zero);
+    }
+#pragma GCC unroll 8
+    for (p = 0, e = S; p < S; p++) {
+#pragma GCC unroll 8
+        for (q = p + 1; q < S; q++, e++) {
+            cosine[e] = by_bits(p, q, block, part, in->cosine[e]) - by_bit(S + p, block, part, 0.0, in->fall[e][0]) -
+                        by_bit(S + q, block, part, 0.0, in->fall[e][1]);
+            cosine[e] = vec_max(cosine[e], zero);
+        }
+    }
+}
+
+/* Gram matrix of 1 + S columns: closed forms up to three. */
+struct gram {
+    vec kappa, inverse;
+    struct gram3_vec three;
+    struct gram_n n;
+};
+
+LANES_INLINE void gram_make(struct gram *g, const vec *cosine, const unsigned S)
+{
+    if (S == 1) {
+        g->kappa = gain_clip(cosine[0]);
+        g->inverse = gain_inverse(g->kappa);
+    } else if (S == 2) {
+        g->three = gram3_vec(cosine[0], cosine[1], cosine[2]);
+    } else {
+        gram_n_make(&g->n, cosine, 1 + S);
+    }
+}
+
+LANES_INLINE vec gram_gain(const struct gram *g, const vec *t, const unsigned S)
+{
+    return S == 1   ? gain2_vec(t[0], t[1], g->kappa, g->inverse)
+           : S == 2 ? gain3_vec(&g->three, t[0], t[1], t[2])
+                    : gain_n_vec(&g->n, t, 1 + S);
+}
+
+/* One body for any number of sides, a constant of each instance. */
+LANES_INLINE void gains_body(const struct gains *in, int shifted, double *gain, const unsigned S)
+{
+    const unsigned values = GAINS(S), width = values < LANES ? values : LANES;
+    const unsigned blocks = shifted ? values / width : ((1u << S) + width - 1) / width;
+    unsigned block, p;
+    size_t part, k;
+
+    for (block = 0; block < blocks; block++) {
+        for (part = 0; part < width; part += VEC) {
+            vec cosine[COSINES(SIDES_MOST)], sum = vec_set(0.0);
+            struct gram gram;
+
+            cosines_at(in, S, block, part, cosine);
+            gram_make(&gram, cosine, S);
+            for (k = 0; k < in->channels; k++) {
+                vec t[1 + SIDES_MOST];
+
+                t[0] = vec_set(in->omega[k]);
+#pragma GCC unroll 8
+                for (p = 0; p < S; p++) {
+                    t[1 + p] = by_bit(p, block, part, in->tau[p][0][k], in->tau[p][1][k]) +
+                               by_bit(S + p, block, part, 0.0, in->shift[p][k]);
+                }
+                sum += gram_gain(&gram, t, S);
+            }
+            vec_store(gain + block * LANES + part, sum);
+        }
+    }
+}
+
+static void gains_1(const struct gains *in, int shifted, double *gain)
 {
     double out[LANES];
-    size_t part, k;
+    size_t i;
 
-    for (part = 0; part < 4; part += VEC) {
-        vec kappa = by_bit(0, part, in->cosine[0], in->cosine[1]) - by_bit(1, part, 0.0, in->fall), inverse, sum;
-
-        kappa = gain_clip(vec_max(kappa, vec_set(0.0)));
-        inverse = gain_inverse(kappa);
-        sum = vec_set(0.0);
-        for (k = 0; k < in->channels; k++) {
-            vec tau = by_bit(0, part, in->tau[0][k], in->tau[1][k]) + by_bit(1, part, 0.0, in->shift[k]);
-
-            sum += gain2_vec(vec_set(in->omega[k]), tau, kappa, inverse);
-        }
-        vec_store(out + part, sum);
-    }
-    for (k = 0; k < 4; k++) {
-        gain[k] = out[k];
+    (void)shifted; /* all four fit one register */
+    gains_body(in, 1, out, 1);
+    for (i = 0; i < GAINS(1); i++) {
+        gain[i] = out[i];
     }
 }
 
-static double climb_one(const double gain[4])
+static void gains_2(const struct gains *in, int shifted, double *gain)
 {
-    vec out = climb(vec_set(gain[0]), vec_set(gain[2]), vec_set(gain[1]), vec_set(gain[3]));
+    gains_body(in, shifted, gain, 2);
+}
 
+static void gains_3(const struct gains *in, int shifted, double *gain)
+{
+    gains_body(in, shifted, gain, 3);
+}
+
+static double box_maximum_1(const double *gain, double *lift)
+{
+    vec out = side_maximum(vec_set(gain[0]), vec_set(gain[2]), vec_set(gain[1]), vec_set(gain[3]));
+
+    lift[0] = 0.0;
     return out[0];
-}
-
-/* With `second`, side 1 is shifted too. */
-LANES_INLINE void gains_half(const struct gains_two *in, int second, double *gain)
-{
-    size_t part, k;
-
-    for (part = 0; part < LANES; part += VEC) {
-        const vec zero = vec_set(0.0);
-        struct gram3_vec gram;
-        vec cosine[3], sum = zero;
-        int i;
-
-        cosine[0] = by_bit(0, part, in->cosine[0][0], in->cosine[0][1]);
-        cosine[1] = by_bit(1, part, in->cosine[1][0], in->cosine[1][2]);
-        cosine[2] = vec_select(vec_load_mask(lane_bit[1] + part), by_bit(0, part, in->cosine[2][2], in->cosine[2][3]),
-                               by_bit(0, part, in->cosine[2][0], in->cosine[2][1]));
-        for (i = 0; i < 3; i++) {
-            cosine[i] = cosine[i] - by_bit(2, part, 0.0, in->fall[i][0]) - (second ? in->fall[i][1] : 0.0);
-            cosine[i] = vec_max(cosine[i], zero);
-        }
-        gram = gram3_vec(cosine[0], cosine[1], cosine[2]);
-        for (k = 0; k < in->channels; k++) {
-            vec t1 = by_bit(0, part, in->tau[0][0][k], in->tau[0][1][k]) + by_bit(2, part, 0.0, in->shift[0][k]);
-            vec t2 = by_bit(1, part, in->tau[1][0][k], in->tau[1][1][k]) + (second ? in->shift[1][k] : 0.0);
-
-            sum += gain3_vec(&gram, vec_set(in->omega[k]), t1, t2);
-        }
-        vec_store(gain + part, sum);
-    }
-}
-
-static void gains_two(const struct gains_two *in, int only_first, double gain[16])
-{
-    gains_half(in, 0, gain);
-    if (!only_first) {
-        gains_half(in, 1, gain + LANES);
-    }
 }
 
 /* The numbers of `from` (16, or 8 of them) at the given places, below 16. */
@@ -149,9 +209,9 @@ LANES_INLINE void pick(const double *from, size_t count, const int64_t place[LAN
 #endif
 }
 
-static double climb_two(const double gain[16], double lift[2])
+static double box_maximum_2(const double *gain, double *lift)
 {
-    /* Places in gain[c0 + 2 c1 + 4 s0 + 8 s1] of low, low shifted, high, high shifted: lanes 0 to 3 climb along side 0,
+    /* Places in gain[c0 + 2 c1 + 4 s0 + 8 s1] of low, low shifted, high, high shifted: lanes 0 to 3 go along side 0,
      * for each (c1, s1); lanes 4 to 7 along side 1, for each (c0, s0). */
     static const int64_t place[4][LANES] = {{0, 2, 8, 10, 0, 1, 4, 5},
                                             {4, 6, 12, 14, 8, 9, 12, 13},
@@ -165,7 +225,7 @@ static double climb_two(const double gain[16], double lift[2])
     for (i = 0; i < 4; i++) {
         pick(gain, 16, place[i], argument[i]);
     }
-    climbs(argument, LANES, inner);
+    side_maxima(argument, LANES, inner);
     for (i = 0; i < 2; i++) { /* the other side not shifted: the first two lanes of each four */
         lift[i] = 0.0;
         for (l = 4 * i; l < 4 * i + 2; l++) {
@@ -180,8 +240,55 @@ static double climb_two(const double gain[16], double lift[2])
     for (i = 0; i < 4; i++) {
         pick(inner, LANES, outside[i], argument[i]);
     }
-    climbs(argument, VEC, outer);
+    side_maxima(argument, VEC, outer);
     return outer[0] < outer[1] ? outer[0] : outer[1];
+}
+
+/* Along each side inside, the other two as a box of two sides; the least of the three is as good a bound. */
+static double box_maximum_3(const double *gain, double *lift)
+{
+    /* [side][low, low shifted, high, high shifted]: places in gain[c + 8 s] for number c' + 4 s' of the other two. */
+    static const uint8_t place[3][4][16] = {
+        {{0, 2, 4, 6, 16, 18, 20, 22, 32, 34, 36, 38, 48, 50, 52, 54},
+         {8, 10, 12, 14, 24, 26, 28, 30, 40, 42, 44, 46, 56, 58, 60, 62},
+         {1, 3, 5, 7, 17, 19, 21, 23, 33, 35, 37, 39, 49, 51, 53, 55},
+         {9, 11, 13, 15, 25, 27, 29, 31, 41, 43, 45, 47, 57, 59, 61, 63}},
+        {{0, 1, 4, 5, 8, 9, 12, 13, 32, 33, 36, 37, 40, 41, 44, 45},
+         {16, 17, 20, 21, 24, 25, 28, 29, 48, 49, 52, 53, 56, 57, 60, 61},
+         {2, 3, 6, 7, 10, 11, 14, 15, 34, 35, 38, 39, 42, 43, 46, 47},
+         {18, 19, 22, 23, 26, 27, 30, 31, 50, 51, 54, 55, 58, 59, 62, 63}},
+        {{0, 1, 2, 3, 8, 9, 10, 11, 16, 17, 18, 19, 24, 25, 26, 27},
+         {32, 33, 34, 35, 40, 41, 42, 43, 48, 49, 50, 51, 56, 57, 58, 59},
+         {4, 5, 6, 7, 12, 13, 14, 15, 20, 21, 22, 23, 28, 29, 30, 31},
+         {36, 37, 38, 39, 44, 45, 46, 47, 52, 53, 54, 55, 60, 61, 62, 63}},
+    };
+    double argument[4][LANES], rest[16], unused[2], least = 0.0;
+    size_t side, half, i, l;
+
+    for (side = 0; side < 3; side++) {
+        double most = 0.0, value;
+
+        for (half = 0; half < 16; half += LANES) {
+            for (i = 0; i < 4; i++) {
+                for (l = 0; l < LANES; l++) {
+                    argument[i][l] = gain[place[side][i][half + l]];
+                }
+            }
+            side_maxima(argument, LANES, rest + half);
+            for (l = 0; l < LANES; l++) { /* whatever else is shifted: two shifts may only together open a face */
+                double low = argument[1][l] - argument[0][l], high = argument[3][l] - argument[2][l];
+
+                low = low < 0.0 ? -low : low;
+                high = high < 0.0 ? -high : high;
+                most = low > most ? low : most;
+                most = high > most ? high : most;
+            }
+        }
+        lift[side] = most;
+        value = box_maximum_2(rest, unused);
+        least = side == 0 || value < least ? value : least;
+    }
+    return least;
 }
 
 #endif

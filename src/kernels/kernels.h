@@ -7,6 +7,7 @@
 
 #include <stddef.h>
 
+#include "base/point.h"
 #include "brdffit.h"
 
 /* A functional of the lobe shape: f0 = sum W phi, and its first and second moment of x about a mean. */
@@ -14,21 +15,32 @@ struct functional {
     double f0, f1, f2;
 };
 
-/* One box with two lobes: sides 0 and 1, corners c = c0 + 2 c1 with c_i = 1 at the high end of side i (bound_gain.h). */
-struct gains_two {
-    size_t channels;
-    const double *omega;     /* K */
-    const double *tau[2][2]; /* [side][end]: K */
-    const double *shift[2];  /* [side]: K, how far tau may rise above its chord */
-    double cosine[3][4];     /* [kappa of side 0, of side 1, mu][corner] */
-    double fall[3][2];       /* [the same][side]: how far it may fall below its chord along that side */
+/* What a lobe that is not exponential does over an interval of u, at each c: x = -ell and slope at both ends (n each;
+ * no slopes: 0), and the mean of x at both. */
+struct local {
+    const double *x_low, *x_high, *slope_low, *slope_high;
+    double mean_low, mean_high;
 };
 
-struct gains_one {
+/* Off-diagonal cosines of a box with so many sides: kappa of each side, and mu of each pair. */
+#define COSINES(sides) ((sides) + (sides) * ((sides) - 1) / 2)
+
+/*
+ * One box (theory 4.2, 7.5): the columns of its S sides at both ends, and how far they may leave their chords. Entry
+ * e < S of the cosines is kappa of side e, with values [end]; then come mu of the pairs (0, 1), (0, 2), (1, 2) ..., with
+ * values [end of the first + 2 end of the second].
+ */
+struct gains {
     size_t channels;
-    const double *omega, *tau[2], *shift;
-    double cosine[2], fall;
+    const double *omega;                      /* K: data along the fixed column */
+    const double *tau[SIDES_MOST][2];         /* [side][end]: K */
+    const double *shift[SIDES_MOST];          /* [side]: K, how far tau may rise above its chord */
+    double cosine[COSINES(SIDES_MOST)][4];
+    double fall[COSINES(SIDES_MOST)][2]; /* how far it may fall below its chord along its first and second side */
 };
+
+/* Corners of a box with so many sides times the subsets of sides that are shifted. */
+#define GAINS(sides) (1u << (2 * (sides)))
 
 struct kernels {
     /* phi[j] = exp(-c[j] u); u >= 0. */
@@ -52,15 +64,23 @@ struct kernels {
     void (*pair)(const double *bb, const double *phi, const double *psi, const double *c, double limit, size_t n,
                  double out[3]);
 
-    /* gain[c + 4 s]: J at corner c with the sides of subset s shifted (bit i: side i). With only_first, s < 2. */
-    void (*gains_two)(const struct gains_two *in, int only_first, double gain[16]);
+    /* [S - 1]: gain[c + 2^S s] is J at corner c (bit i: the high end of side i) with the sides of subset s shifted.
+     * Without `shifted`, only the first 2^S of the GAINS(S) numbers are meant. */
+    void (*gains[SIDES_MOST])(const struct gains *in, int shifted, double *gain);
 
-    /* An upper bound of J in the box from these, and how far the shift of each side lifts a corner at most. */
-    double (*climb_two)(const double gain[16], double lift[2]);
+    /* [S - 1]: an upper bound of J in the box from these, and how far the shift of each side lifts a corner at most. */
+    double (*box_maximum[SIDES_MOST])(const double *gain, double *lift);
 
-    /* gain[c + 2 s] for one lobe: end c, shifted or not. */
-    void (*gains_one)(const struct gains_one *in, double gain[4]);
-    double (*climb_one)(const double gain[4]);
+    /*
+     * Curvature of lobes over an interval (bound/moment/interval_family.c), with the ranges [s, S] of (x - mean)^2 and
+     * [d, D] of slope: out = {sum bb phi_high^2 (d + 2 s), sum bb phi_low^2 (D + 2 S)}; {sum w phi_high (s + d),
+     * sum w phi_low (S + D)}; and sum w phi psi (S + D).
+     */
+    void (*curvature)(const double *bb, const double *phi_low, const double *phi_high, const struct local *at, size_t n,
+                      double out[2]);
+    void (*functional_curvature)(const double *w, const double *phi_low, const double *phi_high, const struct local *at,
+                                 size_t n, double out[2]);
+    double (*pair_curvature)(const double *w, const double *phi, const double *psi, const struct local *at, size_t n);
 
     /* u.v; largest |v|; v -= factor (inner u); v = factor u. Any n. */
     double (*dot)(const double *u, const double *v, size_t n);

@@ -7,6 +7,20 @@
 #include "kernels/sum_loops.h"
 
 const struct kernels KERNELS = {
-    exponential_shape, ggx_shape, ggx_slopes, weigh, central,   functionals, pair,  gains_two,
-    climb_two,         gains_one, climb_one,  dot,   magnitude, subtract,    scale,
+    .exponential_shape = exponential_shape,
+    .ggx_shape = ggx_shape,
+    .ggx_slopes = ggx_slopes,
+    .weigh = weigh,
+    .central = central,
+    .functionals = functionals,
+    .pair = pair,
+    .gains = {gains_1, gains_2, gains_3},
+    .box_maximum = {box_maximum_1, box_maximum_2, box_maximum_3},
+    .curvature = curvature,
+    .functional_curvature = functional_curvature,
+    .pair_curvature = pair_curvature,
+    .dot = dot,
+    .magnitude = magnitude,
+    .subtract = subtract,
+    .scale = scale,
 };

@@ -187,6 +187,88 @@ static void pair(const double *bb, const double *phi, const double *psi, const d
     out[2] = lanes_total_of(second) / out[0];
 }
 
+/* Ranges over an interval of (x - mean)^2 at places j and on; both x and the mean fall. */
+LANES_INLINE void square_range(const struct local *at, size_t j, vec *low, vec *high)
+{
+    const vec zero = vec_set(0.0);
+    vec down = vec_load(at->x_high + j) - at->mean_low, up = vec_load(at->x_low + j) - at->mean_high;
+    vec a = down * down, b = up * up;
+
+    *high = vec_max(a, b);
+    *low = vec_select(down > zero, a, vec_select(up < zero, b, zero));
+}
+
+LANES_INLINE vec load_or_zero(const double *v, size_t j)
+{
+    return v ? vec_load(v + j) : vec_set(0.0);
+}
+
+static void curvature(const double *bb, const double *phi_low, const double *phi_high, const struct local *at, size_t n,
+                      double out[2])
+{
+    double below[LANES], above[LANES];
+    size_t part, j;
+
+    EACH_PART(part)
+    {
+        vec least = vec_set(0.0), most = least, low, high;
+
+        for (j = part; j < n; j += LANES) {
+            vec w = vec_load(bb + j), f = vec_load(phi_high + j), g = vec_load(phi_low + j);
+
+            square_range(at, j, &low, &high);
+            least += w * (f * f) * (load_or_zero(at->slope_high, j) + 2.0 * low);
+            most += w * (g * g) * (load_or_zero(at->slope_low, j) + 2.0 * high);
+        }
+        vec_store(below + part, least);
+        vec_store(above + part, most);
+    }
+    out[0] = lanes_total_of(below);
+    out[1] = lanes_total_of(above);
+}
+
+static void functional_curvature(const double *w, const double *phi_low, const double *phi_high, const struct local *at,
+                                 size_t n, double out[2])
+{
+    double below[LANES], above[LANES];
+    size_t part, j;
+
+    EACH_PART(part)
+    {
+        vec least = vec_set(0.0), most = least, low, high;
+
+        for (j = part; j < n; j += LANES) {
+            vec weight = vec_load(w + j);
+
+            square_range(at, j, &low, &high);
+            least += weight * vec_load(phi_high + j) * (low + load_or_zero(at->slope_high, j));
+            most += weight * vec_load(phi_low + j) * (high + load_or_zero(at->slope_low, j));
+        }
+        vec_store(below + part, least);
+        vec_store(above + part, most);
+    }
+    out[0] = lanes_total_of(below);
+    out[1] = lanes_total_of(above);
+}
+
+static double pair_curvature(const double *w, const double *phi, const double *psi, const struct local *at, size_t n)
+{
+    double above[LANES];
+    size_t part, j;
+
+    EACH_PART(part)
+    {
+        vec most = vec_set(0.0), low, high;
+
+        for (j = part; j < n; j += LANES) {
+            square_range(at, j, &low, &high);
+            most += vec_load(w + j) * (vec_load(phi + j) * vec_load(psi + j)) * (high + load_or_zero(at->slope_low, j));
+        }
+        vec_store(above + part, most);
+    }
+    return lanes_total_of(above);
+}
+
 static double dot(const double *u, const double *v, size_t n)
 {
     size_t whole = n / LANES * LANES, part, i;

@@ -3,7 +3,6 @@
  * lambda(s) = (n + 1) / (8 pi), b = (n.l) / ((v.h) max(n.l, n.v)), c = -ln cos alpha = ln(1 + tan^2 alpha) / 2. SPDX-License-Identifier: MIT
  */
 #include "base/constants.h"
-#include "base/exp.h"
 #include "base/log1p.h"
 #include "base/vector.h"
 #include "model/exponential.h"
@@ -14,14 +13,9 @@ static void row(const struct geometry_angles *g, struct geometry *out)
     out->c = 0.5 * kernel_log1p(g->tan2_half);
 }
 
-static double evaluate(double s, double c)
+static double lambda(double s)
 {
-    return (s + 1.0) / (8.0 * PI) * kernel_exp(-c * s);
-}
-
-static double factor(double c_min, double s)
-{
-    return evaluate(s, c_min);
+    return (s + 1.0) / (8.0 * PI);
 }
 
 const struct lobe_kind brdffit_lobe_ashikhmin_shirley = {
@@ -30,6 +24,5 @@ const struct lobe_kind brdffit_lobe_ashikhmin_shirley = {
     .row = row,
     .table_kind = TABLE_ROW_SIDE,
     EXPONENTIAL_MEMBERS,
-    .factor = factor,
-    .evaluate = evaluate,
+    .lambda = lambda,
 };

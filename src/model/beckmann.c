@@ -2,18 +2,12 @@
  * Beckmann's distribution in Cook and Torrance's model (1982), as the paper's equations 1 to 4 write it:
  * s = 1 / sigma^2, lambda(s) = s, c = tan^2 alpha. SPDX-License-Identifier: MIT
  */
-#include "base/exp.h"
 #include "model/cook_torrance.h"
 #include "model/exponential.h"
 
-static double evaluate(double s, double c)
+static double lambda(double s)
 {
-    return s * kernel_exp(-c * s);
-}
-
-static double factor(double c_min, double s)
-{
-    return evaluate(s, c_min);
+    return s;
 }
 
 const struct lobe_kind brdffit_lobe_beckmann = {
@@ -22,6 +16,5 @@ const struct lobe_kind brdffit_lobe_beckmann = {
     .table_kind = TABLE_ROW_SHADOWED,
     .table_factor = brdffit_cook_torrance_table_factor,
     EXPONENTIAL_MEMBERS,
-    .factor = factor,
-    .evaluate = evaluate,
+    .lambda = lambda,
 };

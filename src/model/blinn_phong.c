@@ -3,7 +3,6 @@
  * taken as ln(1 + tan^2 alpha) / 2: near the mirror direction every digit of c counts, and a cosine near 1 has lost them. SPDX-License-Identifier: MIT
  */
 #include "base/constants.h"
-#include "base/exp.h"
 #include "base/log1p.h"
 #include "model/exponential.h"
 
@@ -13,14 +12,9 @@ static void row(const struct geometry_angles *g, struct geometry *out)
     out->c = 0.5 * kernel_log1p(g->tan2_half);
 }
 
-static double evaluate(double s, double c)
+static double lambda(double s)
 {
-    return (s + 2.0) / (2.0 * PI) * kernel_exp(-c * s);
-}
-
-static double factor(double c_min, double s)
-{
-    return evaluate(s, c_min);
+    return (s + 2.0) / (2.0 * PI);
 }
 
 const struct lobe_kind brdffit_lobe_blinn_phong = {
@@ -29,6 +23,5 @@ const struct lobe_kind brdffit_lobe_blinn_phong = {
     .row = row,
     .table_kind = TABLE_ROW_LIGHT,
     EXPONENTIAL_MEMBERS,
-    .factor = factor,
-    .evaluate = evaluate,
+    .lambda = lambda,
 };

@@ -17,6 +17,12 @@ void brdffit_exponential_variable(double c_min, double theta, double u[3])
     u[2] = u[0];
 }
 
+double brdffit_exponential_argument(double c_min, double s)
+{
+    (void)c_min;
+    return s;
+}
+
 void brdffit_exponential_slope(double c, double u, double *ell, double *slope)
 {
     (void)u;
@@ -43,6 +49,11 @@ double brdffit_exponential_tail(const double *c, const double *bb, size_t m, dou
 double brdffit_exponential_exponent(double c_min, double s)
 {
     return c_min * s;
+}
+
+struct wide brdffit_exponential_phi(struct twofold s, double c)
+{
+    return wide_exp_minus(twofold_times(s, c));
 }
 
 void brdffit_exponential_shape(const struct kernels *kernels, const double *c, size_t n, double u, double *phi)

@@ -173,7 +173,7 @@ static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, str
 brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribution distribution, double min_cosine,
                                      size_t i, struct geometry *out, brdffit_status *status, brdffit_error *error)
 {
-    struct geometry_angles angles;
+    struct geometry_angles *angles = &out->angles;
 
     *status = BRDFFIT_OK;
     if (s->weights && !(s->weights[i] >= 0.0 && isfinite(s->weights[i]))) {
@@ -187,22 +187,22 @@ brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribut
         *status = coefficients_given(s, i, out, error);
         return BRDFFIT_SKIP_COUNT;
     }
-    *status = s->form == BRDFFIT_FORM_DIRECTIONS ? angles_of_directions(s, i, &angles, error)
-                                                 : angles_given(s, i, &angles, error);
+    *status = s->form == BRDFFIT_FORM_DIRECTIONS ? angles_of_directions(s, i, angles, error)
+                                                 : angles_given(s, i, angles, error);
     if (*status != BRDFFIT_OK) {
         return BRDFFIT_SKIP_COUNT;
     }
-    if (!(angles.cos_light > LIMIT_GRAZING)) {
+    if (!(angles->cos_light > LIMIT_GRAZING)) {
         return BRDFFIT_SKIP_LIGHT_BELOW_HORIZON;
     }
-    if (!(angles.cos_view > LIMIT_GRAZING)) {
+    if (!(angles->cos_view > LIMIT_GRAZING)) {
         return BRDFFIT_SKIP_VIEW_BELOW_HORIZON;
     }
-    if (angles.cos_light < min_cosine) {
+    if (angles->cos_light < min_cosine) {
         return BRDFFIT_SKIP_INCIDENCE;
     }
-    out->a = angles.cos_light / PI;
-    out->cos_light = angles.cos_light;
-    brdffit_lobe_kind_of(distribution)->row(&angles, out);
+    out->a = angles->cos_light / PI;
+    out->cos_light = angles->cos_light;
+    brdffit_lobe_kind_of(distribution)->row(angles, out);
     return BRDFFIT_SKIP_COUNT;
 }

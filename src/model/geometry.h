@@ -18,6 +18,7 @@ struct geometry_angles {
 struct geometry {
     double a, b, c;
     double cos_light; /* f_r to radiance; 1 for given coefficients */
+    struct geometry_angles angles; /* what they come from; not set for given coefficients */
 };
 
 /* Everything that can be wrong with pointers, counts and enumerations of `samples`. need_values: 0 for eval. */

@@ -35,11 +35,23 @@ static void slope(double c, double u, double *ell, double *slope)
     *slope = 0.5 * *ell * *ell;
 }
 
-static double factor(double c_min, double s)
+static double argument(double c_min, double s)
 {
-    double rest = 1.0 + c_min * s;
+    return s / (1.0 + c_min * s);
+}
 
-    return s / (rest * rest);
+static double lambda(double s)
+{
+    return s;
+}
+
+/* (1 + c s)^-2. */
+static struct wide phi(struct twofold s, double c)
+{
+    struct twofold product = twofold_times(s, c);
+    struct wide rest = wide_of((1.0 + product.high) + product.low);
+
+    return wide_over(wide_over(wide_of(1.0), rest), rest);
 }
 
 /*
@@ -67,13 +79,6 @@ static double exponent(double c_min, double s)
     return 2.0 * kernel_log(1.0 + c_min * s);
 }
 
-static double evaluate(double s, double c)
-{
-    double rest = 1.0 + c * s;
-
-    return s / (rest * rest);
-}
-
 const struct lobe_kind brdffit_lobe_ggx = {
     .name = "ggx",
     .row = brdffit_cook_torrance_row,
@@ -83,8 +88,9 @@ const struct lobe_kind brdffit_lobe_ggx = {
     .shape = shape,
     .slopes = slopes,
     .slope = slope,
-    .factor = factor,
+    .argument = argument,
+    .lambda = lambda,
+    .phi = phi,
     .exponent = exponent,
     .tail = tail,
-    .evaluate = evaluate,
 };

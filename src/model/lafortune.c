@@ -9,7 +9,6 @@
  */
 #include <math.h>
 #include "base/constants.h"
-#include "base/exp.h"
 #include "base/log1p.h"
 #include "base/tolerance.h"
 #include "model/exponential.h"
@@ -27,14 +26,9 @@ static void row(const struct geometry_angles *g, struct geometry *out)
     out->c = q < 1.0 ? -kernel_log1p(-q) : 0.0;
 }
 
-static double evaluate(double s, double c)
+static double lambda(double s)
 {
-    return (s + 2.0) / (2.0 * PI) * kernel_exp(-c * s);
-}
-
-static double factor(double c_min, double s)
-{
-    return evaluate(s, c_min);
+    return (s + 2.0) / (2.0 * PI);
 }
 
 const struct lobe_kind brdffit_lobe_lafortune = {
@@ -43,6 +37,5 @@ const struct lobe_kind brdffit_lobe_lafortune = {
     .row = row,
     .table_kind = TABLE_ROW_NONE,
     EXPONENTIAL_MEMBERS,
-    .factor = factor,
-    .evaluate = evaluate,
+    .lambda = lambda,
 };

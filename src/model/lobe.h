@@ -18,6 +18,7 @@
 
 #include <stddef.h>
 
+#include "base/wide.h"
 #include "brdffit.h"
 #include "kernels/kernels.h"
 #include "model/geometry.h"
@@ -51,6 +52,9 @@ struct lobe_kind {
     /* u and its first and second derivative by theta. */
     void (*variable)(double c_min, double theta, double u[3]);
 
+    /* u at s itself: variable() is that of kernel_exp(theta). */
+    double (*argument)(double c_min, double s);
+
     /* phi(u, c_j) for n (a multiple of LANES) values. */
     void (*shape)(const struct kernels *kernels, const double *c, size_t n, double u, double *phi);
 
@@ -63,8 +67,11 @@ struct lobe_kind {
 
     /* ---- the scalar factor ---- */
 
-    /* lambda(s) phi(s, c_min): what y is divided by. 0 when it underflows. */
-    double (*factor)(double c_min, double s);
+    /* lambda(s). */
+    double (*lambda)(double s);
+
+    /* phi(s, c), however small. */
+    struct wide (*phi)(struct twofold s, double c);
 
     /* ln(1 / phi(s, c_min)): how far the factor falls, but for lambda. */
     double (*exponent)(double c_min, double s);
@@ -74,9 +81,6 @@ struct lobe_kind {
      * every j > 0, so that nothing changes to rounding. 0 when nothing ever changes (m = 1).
      */
     double (*tail)(const double *c, const double *bb, size_t m, double c_min);
-
-    /* g / b at one (s, c): lambda(s) phi(s, c), for evaluation. */
-    double (*evaluate)(double s, double c);
 };
 
 extern const struct lobe_kind brdffit_lobe_beckmann, brdffit_lobe_ggx, brdffit_lobe_torrance_sparrow, brdffit_lobe_ward,
@@ -84,6 +88,9 @@ extern const struct lobe_kind brdffit_lobe_beckmann, brdffit_lobe_ggx, brdffit_l
 
 /* The distribution must be one of ours. */
 const struct lobe_kind *brdffit_lobe_kind_of(brdffit_distribution distribution);
+
+/* lambda(s) phi(s, c): g / b, and what y is divided by at c_min; within a dozen u, however small. */
+struct wide brdffit_lobe_factor(const struct lobe_kind *kind, struct twofold s, double c);
 
 /* What the cells of one theta_h share: b is `factor` times the table row's b, a is n.l / pi. */
 struct geometry_table_row {

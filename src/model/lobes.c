@@ -21,6 +21,11 @@ const struct lobe_kind *brdffit_lobe_kind_of(brdffit_distribution distribution)
     return table[distribution];
 }
 
+struct wide brdffit_lobe_factor(const struct lobe_kind *kind, struct twofold s, double c)
+{
+    return wide_times(wide_of(kind->lambda(s.high)), kind->phi(s, c));
+}
+
 static int is_ours(brdffit_distribution distribution)
 {
     return (unsigned)distribution < BRDFFIT_DISTRIBUTION_COUNT;

@@ -5,7 +5,6 @@
 #include <math.h>
 #include "base/atan.h"
 #include "base/constants.h"
-#include "base/exp.h"
 #include "model/exponential.h"
 #include "model/masking.h"
 
@@ -23,14 +22,10 @@ static double table_factor(double cos2_half)
     return 1.0 / PI;
 }
 
-static double evaluate(double s, double c)
+static double lambda(double s)
 {
-    return kernel_exp(-c * s);
-}
-
-static double factor(double c_min, double s)
-{
-    return evaluate(s, c_min);
+    (void)s;
+    return 1.0;
 }
 
 const struct lobe_kind brdffit_lobe_torrance_sparrow = {
@@ -39,6 +34,5 @@ const struct lobe_kind brdffit_lobe_torrance_sparrow = {
     .table_kind = TABLE_ROW_SHADOWED,
     .table_factor = table_factor,
     EXPONENTIAL_MEMBERS,
-    .factor = factor,
-    .evaluate = evaluate,
+    .lambda = lambda,
 };

@@ -3,7 +3,6 @@
  */
 #include <math.h>
 #include "base/constants.h"
-#include "base/exp.h"
 #include "model/exponential.h"
 
 static void row(const struct geometry_angles *g, struct geometry *out)
@@ -18,14 +17,9 @@ static double table_factor(double cos2_half)
     return 1.0 / (4.0 * PI);
 }
 
-static double evaluate(double s, double c)
+static double lambda(double s)
 {
-    return s * kernel_exp(-c * s);
-}
-
-static double factor(double c_min, double s)
-{
-    return evaluate(s, c_min);
+    return s;
 }
 
 const struct lobe_kind brdffit_lobe_ward = {
@@ -34,6 +28,5 @@ const struct lobe_kind brdffit_lobe_ward = {
     .table_kind = TABLE_ROW_ROOT,
     .table_factor = table_factor,
     EXPONENTIAL_MEMBERS,
-    .factor = factor,
-    .evaluate = evaluate,
+    .lambda = lambda,
 };

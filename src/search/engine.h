@@ -8,14 +8,21 @@
 #include "search/axis.h"
 #include "search/heap.h"
 
+/* The sides of a box, one a lobe. Those of like lobes stand together; a search keeps their intervals ascending. */
+struct box_sides {
+    int count;
+    int axis[SIDES_MOST];  /* of each side: which axis */
+    int first[SIDES_MOST]; /* of each side: the first one of like sides */
+};
+
 struct engine {
     void *self;
-    int lobes;
+    struct box_sides sides;
 
     /*
      * On entry box->bound is what would close the box: more is not asked for. Set it to a proven lower bound of the
-     * objective for every point of box->interval, and box->split to the lobe whose interval had better be split.
-     * Returns the smallest (approximate) objective met on the way and its point in *met, or infinity.
+     * objective for every point of box->interval, and box->split to the side that had better be split. Returns the
+     * smallest (approximate) objective met on the way and its point in *met, or infinity.
      */
     double (*bound)(void *self, struct box *box, struct point *met);
 
@@ -26,8 +33,8 @@ struct engine {
     /* Improve a point by descent inside the domain; returns the exact objective of what *point becomes. */
     double (*try_point)(void *self, struct point *point);
 
-    /* Width of an interval in sigma, for the resolution rule. */
-    double (*width)(void *self, uint32_t interval);
+    /* Width of an interval of an axis in sigma, for the resolution rule. */
+    double (*width)(void *self, int axis, uint32_t interval);
 
     /* Rounding of `met`: smaller differences mean nothing. */
     double noise;

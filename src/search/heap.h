@@ -1,6 +1,6 @@
 /*
  * Boxes that are still open, ordered by (bound, sequence number): a binary heap in the caller's memory.
- * A box is one interval of the axis per lobe. SPDX-License-Identifier: MIT
+ * A box is one interval per side. SPDX-License-Identifier: MIT
  */
 #ifndef BRDFFIT_HEAP_H
 #define BRDFFIT_HEAP_H
@@ -9,12 +9,13 @@
 #include <stdint.h>
 
 #include "base/arena.h"
+#include "base/point.h"
 
 struct box {
     double bound;         /* lower bound of the objective inside */
     uint64_t sequence;    /* breaks ties, so that runs are reproducible */
-    uint32_t interval[2]; /* of the axis; the second is 0 for one lobe */
-    int split;            /* dimension that the engine advises to split */
+    uint32_t split;       /* side that the engine advises to split */
+    uint32_t interval[SIDES_MOST]; /* of each side's axis; 0 beyond the sides of the model */
 };
 
 struct heap {

@@ -3,8 +3,8 @@
  *
  * Invariant: every point of the domain lies in a box of the heap, or in one that was closed with a bound of at
  * least `closed`. So min(top of the heap, closed) is a lower bound at any moment, whatever stops the search.
- * Boxes of two lobes keep the first interval at or below the second (lobes are exchangeable): the first
- * partition has the pairs i <= j only, and a box on the diagonal splits into three, not four.
+ * Like lobes are exchangeable, so their intervals ascend: the first partition has multisets only, and a run of r equal
+ * intervals splits into r + 1 boxes, by how many of them take the upper half.
  */
 #include "search/search.h"
 
@@ -36,11 +36,12 @@ static void close_box(struct search *s, double bound)
     s->closed = smaller(s->closed, bound);
 }
 
+/* Of every box; a number above the incumbent's is not hidden here: the report tells (fit/verdict.h). */
 static double global_bound(const struct search *s)
 {
     double open = s->heap->count ? s->heap->box[0].bound : INFINITY;
 
-    return smaller(smaller(smaller(open, s->closed), s->current), s->result->objective);
+    return smaller(smaller(open, s->closed), s->current);
 }
 
 static int report(struct search *s)
@@ -54,7 +55,7 @@ static int report(struct search *s)
     p.phase = BRDFFIT_PHASE_SEARCH;
     p.boxes = s->result->boxes;
     p.e2 = s->result->objective * scale;
-    p.lower_bound = global_bound(s) * scale;
+    p.lower_bound = smaller(global_bound(s), s->result->objective) * scale;
     return s->rules->progress(s->rules->progress_user, &p) != 0;
 }
 
@@ -100,13 +101,15 @@ static void keep_or_close(struct search *s, const struct box *box)
     }
 }
 
-static void child(struct search *s, const struct box *parent, uint32_t first, uint32_t second)
+static void child(struct search *s, const struct box *parent, const uint32_t *interval)
 {
     struct box box = *parent;
     struct point met;
+    int p;
 
-    box.interval[0] = first;
-    box.interval[1] = second;
+    for (p = 0; p < s->engine->sides.count; p++) {
+        box.interval[p] = interval[p];
+    }
     if (bound_box(s, &box, &met) < s->result->objective - s->engine->noise) {
         improve(s, &met);
     }
@@ -115,10 +118,22 @@ static void child(struct search *s, const struct box *parent, uint32_t first, ui
     keep_or_close(s, &box);
 }
 
+/* The low end of every side. */
+static struct point lowest(const struct search *s)
+{
+    struct point at = {{0.0}};
+    int p;
+
+    for (p = 0; p < s->engine->sides.count; p++) {
+        at.theta[p] = s->axis[s->engine->sides.axis[p]].coordinate[0];
+    }
+    return at;
+}
+
 /* A first incumbent where the engine has one at hand, so that the first boxes are bounded against it. */
 static void start(struct search *s)
 {
-    struct point met = {{s->axis->coordinate[0], s->axis->coordinate[0]}};
+    struct point met = lowest(s);
 
     if (s->engine->start) {
         (void)s->engine->start(s->engine->self, &met);
@@ -126,49 +141,87 @@ static void start(struct search *s)
     }
 }
 
+/* The next box of the first partition, intervals of like sides ascending; 0 after the last. */
+static int next_box(const struct search *s, uint32_t *interval)
+{
+    const struct box_sides *sides = &s->engine->sides;
+    int p, q;
+
+    for (p = sides->count - 1; p >= 0; p--) {
+        if (interval[p] + 1 < s->axis[sides->axis[p]].first) {
+            interval[p]++;
+            for (q = p + 1; q < sides->count; q++) {
+                interval[q] = sides->first[q] <= p ? interval[p] : 0;
+            }
+            return 1;
+        }
+    }
+    return 0;
+}
+
 /* Bound the whole first partition, then refine the best point met, before anything is closed. */
 static void first_boxes(struct search *s)
 {
-    struct box box = {0.0, 0, {0, 0}, 0};
-    struct point met, best = {{s->axis->coordinate[0], s->axis->coordinate[0]}};
+    struct box box = {0.0, 0, 0, {0}};
+    struct point met, best = lowest(s);
     double best_objective = INFINITY;
-    uint32_t i, j;
+    uint32_t interval[SIDES_MOST] = {0};
+    int p;
 
-    for (i = 0; i < s->axis->first; i++) {
-        uint32_t last = s->engine->lobes > 1 ? s->axis->first : i + 1;
+    do {
+        double objective;
 
-        for (j = i; j < last; j++) {
-            double objective;
-
-            box.interval[0] = i;
-            box.interval[1] = s->engine->lobes > 1 ? j : 0;
-            objective = bound_box(s, &box, &met);
-            if (objective < best_objective) {
-                best_objective = objective;
-                best = met;
-            }
-            observe(s, &box);
-            keep_or_close(s, &box);
+        for (p = 0; p < SIDES_MOST; p++) {
+            box.interval[p] = interval[p];
         }
-    }
+        objective = bound_box(s, &box, &met);
+        if (objective < best_objective) {
+            best_objective = objective;
+            best = met;
+        }
+        observe(s, &box);
+        keep_or_close(s, &box);
+    } while (next_box(s, interval));
     if (!s->engine->start || best_objective < s->result->objective - s->engine->noise) {
         improve(s, &best);
     }
     s->current = INFINITY;
 }
 
+/* The run of like sides on the same interval as `side`: its first, and its length in *length. */
+static int run_of(const struct search *s, const struct box *box, int side, int *length)
+{
+    const struct box_sides *sides = &s->engine->sides;
+    int begin = side, end = side + 1;
+
+    while (begin > sides->first[side] && box->interval[begin - 1] == box->interval[side]) {
+        begin--;
+    }
+    while (end < sides->count && sides->first[end] == sides->first[side] && box->interval[end] == box->interval[side]) {
+        end++;
+    }
+    *length = end - begin;
+    return begin;
+}
+
 /* Boxes that splitting this one would bound. */
 static size_t children_of(const struct search *s, const struct box *box)
 {
-    return s->engine->lobes > 1 && box->interval[0] == box->interval[1] ? 3 : 2;
+    int length;
+
+    (void)run_of(s, box, (int)box->split, &length);
+    return (size_t)length + 1;
 }
 
 static int box_is_fine(const struct search *s, const struct box *box)
 {
     double resolution = s->rules->sigma_resolution;
+    int p, fine = resolution > 0.0;
 
-    return resolution > 0.0 && s->engine->width(s->engine->self, box->interval[0]) <= resolution &&
-           (s->engine->lobes < 2 || s->engine->width(s->engine->self, box->interval[1]) <= resolution);
+    for (p = 0; p < s->engine->sides.count && fine; p++) {
+        fine = s->engine->width(s->engine->self, s->engine->sides.axis[p], box->interval[p]) <= resolution;
+    }
+    return fine;
 }
 
 static void give_up(struct search *s, const struct box *box, brdffit_stop reason)
@@ -180,47 +233,51 @@ static void give_up(struct search *s, const struct box *box, brdffit_stop reason
     }
 }
 
-/* Split one side, or both on the diagonal. 0 when that side cannot be split. */
-static int split(struct search *s, const struct box *box)
+/* Split a side, and those that share its interval. 0 when it cannot be split. */
+static int split(struct search *s, const struct box *box, int side)
 {
-    uint32_t first = box->interval[0], second = box->interval[1], children;
+    struct axis *axis = &s->axis[s->engine->sides.axis[side]];
+    uint32_t interval[SIDES_MOST], children = brdffit_axis_split(axis, box->interval[side]);
+    int begin, length, upper, p;
 
-    if (s->engine->lobes > 1 && first == second) {
-        children = brdffit_axis_split(s->axis, first);
-        if (children) {
-            child(s, box, children, children);
-            child(s, box, children, children + 1);
-            child(s, box, children + 1, children + 1);
+    if (!children) {
+        return 0;
+    }
+    begin = run_of(s, box, side, &length);
+    for (p = 0; p < SIDES_MOST; p++) {
+        interval[p] = box->interval[p];
+    }
+    for (upper = 0; upper <= length; upper++) {
+        for (p = 0; p < length; p++) {
+            interval[begin + p] = p < length - upper ? children : children + 1;
         }
-        return children != 0;
+        child(s, box, interval);
     }
-    children = brdffit_axis_split(s->axis, box->interval[box->split]);
-    if (children) {
-        child(s, box, box->split ? first : children, box->split ? children : second);
-        child(s, box, box->split ? first : children + 1, box->split ? children + 1 : second);
-    }
-    return children != 0;
+    return 1;
 }
 
 /* Whether every side is too narrow to split; otherwise a node is what lacks. */
 static int narrow(const struct search *s, const struct box *box)
 {
-    return brdffit_axis_narrow(s->axis, box->interval[0]) &&
-           (s->engine->lobes < 2 || brdffit_axis_narrow(s->axis, box->interval[1]));
+    int p, all = 1;
+
+    for (p = 0; p < s->engine->sides.count; p++) {
+        all = all && brdffit_axis_narrow(&s->axis[s->engine->sides.axis[p]], box->interval[p]);
+    }
+    return all;
 }
 
+/* The advised side first, then the others in turn. */
 static void branch(struct search *s, struct box *box)
 {
+    int count = s->engine->sides.count, turn;
+
     if (box_is_fine(s, box)) {
         give_up(s, box, BRDFFIT_STOP_RESOLUTION);
         return;
     }
-    if (split(s, box)) {
-        return;
-    }
-    if (s->engine->lobes > 1 && box->interval[0] != box->interval[1]) {
-        box->split = !box->split;
-        if (split(s, box)) {
+    for (turn = 0; turn < count; turn++) {
+        if (split(s, box, ((int)box->split + turn) % count)) {
             return;
         }
     }

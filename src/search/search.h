@@ -24,12 +24,12 @@ struct search_rules {
 struct search_result {
     struct point point;  /* incumbent */
     double objective;    /* exact, at the incumbent */
-    double lower_bound;  /* of the whole domain */
+    double lower_bound;  /* of the whole domain, as the boxes have it: not lowered to the objective */
     brdffit_stop stop;
     size_t boxes;
 };
 
-/* Partition `axis` must be started. The heap is emptied first. */
+/* Every axis of the engine's sides must be started. The heap is emptied first. */
 void brdffit_search(struct axis *axis, struct heap *heap, const struct engine *engine, const struct search_rules *rules,
                     struct search_result *result);
 

@@ -8,15 +8,15 @@
 #include "base/tolerance.h"
 #include "base/vector.h"
 
-void brdffit_l1_linf_layout(struct l1_linf *r, struct arena *arena, size_t count, size_t channels, int lobes,
-                            brdffit_norm norm)
+void brdffit_l1_linf_layout(struct l1_linf *r, struct arena *arena, size_t count, size_t channels,
+                            const struct model *model, brdffit_norm norm)
 {
     int j;
 
     r->norm = norm;
     brdffit_simplex_layout(&r->simplex, arena, count);
-    brdffit_lp_layout(&r->lp, arena, count, (size_t)(1 + lobes), norm);
-    for (j = 0; j <= lobes; j++) {
+    brdffit_lp_layout(&r->lp, arena, count, (size_t)model->columns, norm);
+    for (j = 0; j < model->columns; j++) {
         r->column[j] = ARENA_DOUBLES(arena, count);
     }
     r->data = ARENA_DOUBLES(arena, count);
@@ -30,8 +30,8 @@ brdffit_status brdffit_l1_linf_start(struct l1_linf *r, struct varpro *varpro)
     r->varpro = varpro;
     r->evaluated = 0;
     r->simplex.rows = varpro->data->rows;
-    r->simplex.columns = 1 + varpro->lobes;
-    for (j = 0; j <= varpro->lobes; j++) {
+    r->simplex.columns = varpro->model->columns;
+    for (j = 0; j < varpro->model->columns; j++) {
         r->simplex.column[j] = r->column[j];
     }
     r->simplex.data = r->data;
@@ -124,7 +124,7 @@ static void solve_channel(struct l1_linf *r, size_t k, int prove, struct varpro_
 {
     const struct reduced *data = r->varpro->data;
     struct nnls_answer *answer = &r->varpro->answer[k];
-    double z[SIMPLEX_UNKNOWNS] = {0.0, 0.0, 0.0, 0.0}, zero = 0.0, norm;
+    double z[SIMPLEX_UNKNOWNS] = {0.0}, zero = 0.0, norm;
     size_t i;
     int j;
 
@@ -178,15 +178,15 @@ struct descent {
     int left; /* evaluations */
 };
 
-static int try_at(struct descent *d, double first, double second)
+static int try_at(struct descent *d, const struct point *there)
 {
     const struct varpro *v = d->r->varpro;
-    struct point next = {{first, second}};
+    struct point next = *there;
     struct varpro_value value;
     int p, moved = 0;
 
-    for (p = 0; p < v->lobes; p++) {
-        next.theta[p] = fmin(v->theta_high, fmax(v->theta_low, next.theta[p]));
+    for (p = 0; p < v->model->sides; p++) {
+        next.theta[p] = fmin(v->theta_high[p], fmax(v->theta_low[p], next.theta[p]));
         moved = moved || next.theta[p] != d->at->theta[p];
     }
     if (!moved || d->left <= 0) {
@@ -202,24 +202,67 @@ static int try_at(struct descent *d, double first, double second)
     return 1;
 }
 
+/* Ways to go: both along each side, then the four diagonals of each pair of sides. */
+#define WAYS_MOST (2 * SIDES_MOST + 2 * SIDES_MOST * (SIDES_MOST - 1))
+
+struct ways {
+    int count;
+    signed char to[WAYS_MOST][SIDES_MOST];
+};
+
+static void add_way(struct ways *w, int p, int up, int q, int up_too)
+{
+    int i;
+
+    for (i = 0; i < SIDES_MOST; i++) {
+        w->to[w->count][i] = (signed char)(i == p ? up : i == q ? up_too : 0);
+    }
+    w->count++;
+}
+
+static struct ways all_ways(int sides)
+{
+    struct ways w = {.count = 0};
+    int p, q;
+
+    for (p = 0; p < sides; p++) {
+        add_way(&w, p, 1, -1, 0);
+        add_way(&w, p, -1, -1, 0);
+    }
+    for (p = 0; p < sides; p++) {
+        for (q = p + 1; q < sides; q++) {
+            add_way(&w, p, 1, q, 1);
+            add_way(&w, p, -1, q, -1);
+            add_way(&w, p, 1, q, -1);
+            add_way(&w, p, -1, q, 1);
+        }
+    }
+    return w;
+}
+
 /*
  * Compass search: steps along the axes and diagonals, doubled where they lead down and halved where none does. The
  * objective has kinks, so derivatives would not help; at a kink halving still gains a bit a round.
  */
 static void compass(struct descent *d)
 {
-    static const int way[8][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}};
-    int ways = d->r->varpro->lobes > 1 ? 8 : 2, last = 0, i;
+    const int sides = d->r->varpro->model->sides;
+    const struct ways ways = all_ways(sides);
     double step = LONGEST;
+    int last = 0, i, p;
 
     while (d->left > 0 && d->objective > 0.0 && step > SHORTEST * (1.0 + fabs(d->at->theta[0]))) {
         int down = 0;
 
-        for (i = 0; i < ways && !down; i++) {
-            int w = (last + i) % ways;
+        for (i = 0; i < ways.count && !down; i++) {
+            int way = (last + i) % ways.count;
+            struct point there = *d->at;
 
-            down = try_at(d, d->at->theta[0] + step * way[w][0], d->at->theta[1] + step * way[w][1]);
-            last = down ? w : last;
+            for (p = 0; p < sides; p++) {
+                there.theta[p] += step * ways.to[way][p];
+            }
+            down = try_at(d, &there);
+            last = down ? way : last;
         }
         step = down ? fmin(2.0 * step, LONGEST) : 0.5 * step;
     }
@@ -235,7 +278,7 @@ double brdffit_l1_linf_descend(struct l1_linf *r, struct point *point)
     d.objective = value.objective;
     /* The smooth objective's optimum nearby is this one's too where the data are exact, and a fair start elsewhere. */
     (void)brdffit_varpro_descend(r->varpro, &smooth);
-    (void)try_at(&d, smooth.theta[0], smooth.theta[1]);
+    (void)try_at(&d, &smooth);
     compass(&d);
     brdffit_l1_linf_evaluate(r, point, 1, &value);
     return value.objective;

@@ -15,14 +15,14 @@ struct l1_linf {
     brdffit_norm norm;
     struct simplex simplex;
     struct lp lp;
-    double *column[NNLS_COLUMNS]; /* rows each, at unit norm */
+    double *column[COLUMNS_MOST]; /* rows each, at unit norm */
     double *data;                 /* rows: a channel at about unit size */
     double *channel;              /* K: its part of the objective */
     size_t evaluated;
 };
 
-void brdffit_l1_linf_layout(struct l1_linf *r, struct arena *arena, size_t count, size_t channels, int lobes,
-                            brdffit_norm norm);
+void brdffit_l1_linf_layout(struct l1_linf *r, struct arena *arena, size_t count, size_t channels,
+                            const struct model *model, brdffit_norm norm);
 
 /* Allocates (ECOS does). */
 brdffit_status brdffit_l1_linf_start(struct l1_linf *r, struct varpro *varpro);

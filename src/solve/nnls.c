@@ -13,6 +13,7 @@
 #include <math.h>
 
 #include "base/tolerance.h"
+#include "solve/nnls_parts.h"
 #include "base/vector.h"
 
 /* Remove the part of q_j along earlier q, twice; what remains, normalised, is q_j. */
@@ -38,63 +39,13 @@ static void orthogonalise(struct nnls *nnls, int j)
     nnls->kernels->scale(q, q, rest > 0.0 ? 1.0 / rest : 0.0, nnls->rows);
 }
 
-/* 0 when the columns of the support are dependent. */
-static int support_factor(const struct nnls *nnls, unsigned bits, struct nnls_support *s)
-{
-    int i, j, k, pass;
-
-    s->count = 0;
-    for (j = 0; j < nnls->columns; j++) {
-        if (bits & (1u << j)) {
-            s->index[s->count++] = j;
-        }
-    }
-    for (j = 0; j < s->count; j++) {
-        double norm = 0.0;
-
-        for (k = 0; k < nnls->columns; k++) {
-            s->basis[j][k] = nnls->r[k][s->index[j]];
-        }
-        for (i = 0; i < j; i++) {
-            s->upper[i][j] = 0.0;
-        }
-        for (pass = 0; pass < 2; pass++) {
-            for (i = 0; i < j; i++) {
-                double part = 0.0;
-
-                for (k = 0; k < nnls->columns; k++) {
-                    part += s->basis[i][k] * s->basis[j][k];
-                }
-                for (k = 0; k < nnls->columns; k++) {
-                    s->basis[j][k] -= part * s->basis[i][k];
-                }
-                s->upper[i][j] += part;
-            }
-        }
-        for (k = 0; k < nnls->columns; k++) {
-            norm += s->basis[j][k] * s->basis[j][k];
-        }
-        norm = sqrt(norm);
-        if (!(norm > TOL_DEPENDENT)) {
-            return 0;
-        }
-        s->upper[j][j] = norm;
-        for (k = 0; k < nnls->columns; k++) {
-            s->basis[j][k] /= norm;
-        }
-    }
-    return 1;
-}
-
 static void factor_supports(struct nnls *nnls)
 {
     unsigned bits;
 
     nnls->support[0].count = 0;
-    for (bits = 1; bits < 1u << nnls->columns; bits++) {
-        if (!support_factor(nnls, bits, &nnls->support[bits])) {
-            nnls->support[bits].count = 0;
-        }
+    for (bits = 1; nnls->columns <= NNLS_CLOSED && bits < 1u << nnls->columns; bits++) {
+        brdffit_nnls_support_factor(nnls, bits, &nnls->support[bits]);
     }
 }
 
@@ -125,75 +76,9 @@ void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_
     factor_supports(nnls);
 }
 
-/*
- * Solve the support for t; z has one entry a column of the support. Returns the squared norm of what is left of t,
- * from the rest itself: where data are fitted exactly, supports whose projections agree to rounding differ in it.
- */
-static double support_solve(const struct nnls_support *s, const double *t, int columns, double *z)
-{
-    double rest[NNLS_COLUMNS] = {0.0, 0.0, 0.0}, left = 0.0;
-    int i, j, k;
-
-    for (k = 0; k < columns; k++) {
-        rest[k] = t[k];
-    }
-    for (j = 0; j < s->count; j++) {
-        z[j] = 0.0;
-        for (k = 0; k < columns; k++) {
-            z[j] += s->basis[j][k] * rest[k];
-        }
-        for (k = 0; k < columns; k++) {
-            rest[k] -= z[j] * s->basis[j][k];
-        }
-    }
-    for (k = 0; k < columns; k++) {
-        left += rest[k] * rest[k];
-    }
-    for (j = s->count - 1; j >= 0; j--) {
-        for (i = j + 1; i < s->count; i++) {
-            z[j] -= s->upper[j][i] * z[i];
-        }
-        z[j] /= s->upper[j][j];
-    }
-    return left;
-}
-
-/* Best feasible support for t; writes unit-column coefficients. */
 static unsigned best_support(const struct nnls *nnls, const double *t, double *unit)
 {
-    unsigned bits, chosen = 0;
-    double least = 0.0;
-    int j;
-
-    for (j = 0; j < NNLS_COLUMNS; j++) {
-        unit[j] = 0.0;
-        least += j < nnls->columns ? t[j] * t[j] : 0.0;
-    }
-    for (bits = 1; bits < 1u << nnls->columns; bits++) {
-        const struct nnls_support *s = &nnls->support[bits];
-        double z[NNLS_COLUMNS];
-        double left;
-        int feasible = s->count > 0;
-
-        if (!feasible) {
-            continue;
-        }
-        left = support_solve(s, t, nnls->columns, z);
-        for (j = 0; j < s->count; j++) {
-            feasible = feasible && z[j] > 0.0;
-        }
-        if (feasible && left < least) {
-            least = left;
-            chosen = bits;
-            for (j = 0; j < NNLS_COLUMNS; j++) {
-                unit[j] = 0.0;
-            }
-            for (j = 0; j < s->count; j++) {
-                unit[s->index[j]] = z[j];
-            }
-        }
-    }
-    return chosen;
+    return nnls->columns <= NNLS_CLOSED ? brdffit_nnls_enumerate(nnls, t, unit) : brdffit_nnls_active(nnls, t, unit);
 }
 
 static void project(const struct nnls *nnls, const double *v, double *t)
@@ -245,7 +130,7 @@ static void refine(const struct nnls *nnls, const struct nnls_support *s, const 
     int j;
 
     project(nnls, residual, t);
-    (void)support_solve(s, t, nnls->columns, step);
+    (void)brdffit_nnls_support_solve(s, t, nnls->columns, step);
     for (j = 0; j < s->count; j++) {
         if (!(unit[s->index[j]] + step[j] > 0.0)) {
             return;
@@ -259,6 +144,7 @@ static void refine(const struct nnls *nnls, const struct nnls_support *s, const 
 void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual, struct nnls_answer *answer)
 {
     double t[NNLS_COLUMNS], data_norm;
+    struct nnls_support room;
     int j;
 
     answer->data_scale = power_of_two(nnls->kernels->magnitude(data, nnls->rows));
@@ -272,7 +158,7 @@ void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *res
     answer->support = best_support(nnls, t, answer->unit);
     if (answer->support) {
         residual_of(nnls, data, answer->data_scale, answer->unit, residual);
-        refine(nnls, &nnls->support[answer->support], residual, answer->unit);
+        refine(nnls, brdffit_nnls_factored(nnls, answer->support, &room), residual, answer->unit);
         residual_of(nnls, data, answer->data_scale, answer->unit, residual);
     }
     answer->rss = nnls->kernels->dot(residual, residual, nnls->rows);
@@ -284,33 +170,36 @@ void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *res
     }
 }
 
-void brdffit_nnls_factor_gram(struct nnls *nnls, int columns, const double cosine[3])
+/* Cholesky of the unit matrix of cosines; squares of the diagonal start from (1 - c)(1 + c), which keeps their digits. */
+void brdffit_nnls_factor_gram(struct nnls *nnls, int columns, double cosine[NNLS_COLUMNS][NNLS_COLUMNS])
 {
-    double (*r)[NNLS_COLUMNS] = nnls->r, square;
-    int i, j;
+    double (*r)[NNLS_COLUMNS] = nnls->r;
+    int i, j, k;
 
     nnls->columns = columns;
-    for (i = 0; i < NNLS_COLUMNS; i++) {
-        for (j = 0; j < NNLS_COLUMNS; j++) {
+    for (j = 0; j < columns; j++) {
+        double square = 1.0;
+
+        for (i = 0; i < columns; i++) {
             r[i][j] = 0.0;
         }
-    }
-    r[0][0] = 1.0;
-    r[0][1] = cosine[0];
-    square = (1.0 - cosine[0]) * (1.0 + cosine[0]);
-    r[1][1] = square > 0.0 ? sqrt(square) : 0.0;
-    if (columns > 2) {
-        r[0][2] = cosine[1];
-        r[1][2] = r[1][1] > 0.0 ? (cosine[2] - cosine[0] * cosine[1]) / r[1][1] : 0.0;
-        square = (1.0 - cosine[1]) * (1.0 + cosine[1]) - r[1][2] * r[1][2];
-        r[2][2] = square > 0.0 ? sqrt(square) : 0.0;
+        for (i = 0; i < j; i++) {
+            double v = cosine[i][j];
+
+            for (k = 0; k < i; k++) {
+                v -= r[k][i] * r[k][j];
+            }
+            r[i][j] = r[i][i] > 0.0 ? v / r[i][i] : 0.0;
+            square = i == 0 ? (1.0 - v) * (1.0 + v) : square - r[i][j] * r[i][j];
+        }
+        r[j][j] = square > 0.0 ? sqrt(square) : 0.0;
     }
     factor_supports(nnls);
 }
 
 unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double unit[NNLS_COLUMNS])
 {
-    double q[NNLS_COLUMNS] = {0.0, 0.0, 0.0};
+    double q[NNLS_COLUMNS];
     int i, j;
 
     for (j = 0; j < nnls->columns; j++) {

@@ -1,6 +1,6 @@
 /*
- * The restricted problem: non-negative least squares with at most 3 columns, in closed form by enumeration
- * of supports (theory, section 2). Two forms:
+ * The restricted problem: non-negative least squares with at most 7 columns: up to 3 in closed form by enumeration of
+ * supports (theory, section 2), beyond by an active set (nnls_active.c). Two forms:
  *
  *   - dense: from the columns themselves, by orthogonalisation. Stable for columns of any scale and however
  *     close to collinear; used for every number that a user sees.
@@ -16,7 +16,9 @@
 
 #include "kernels/kernels.h"
 
-#define NNLS_COLUMNS 3
+#define NNLS_COLUMNS 7
+/* Up to so many columns every support is factored once, and tried. */
+#define NNLS_CLOSED 3
 
 /* One support's little least squares: orthonormal basis of its columns of R. */
 struct nnls_support {
@@ -35,7 +37,7 @@ struct nnls {
     double scale[NNLS_COLUMNS];             /* power of two that brings the column to about 1 */
     double norm[NNLS_COLUMNS];              /* of the scaled column; 0 for a zero column */
     double r[NNLS_COLUMNS][NNLS_COLUMNS];   /* upper triangular, unit columns */
-    struct nnls_support support[1u << NNLS_COLUMNS]; /* [bits of its columns] */
+    struct nnls_support support[1u << NNLS_CLOSED]; /* [bits of its columns], if these are few */
 };
 
 struct nnls_answer {
@@ -47,26 +49,26 @@ struct nnls_answer {
     unsigned support;       /* bit j: column j is used */
 };
 
-/* Factor `columns` (1 to 3) columns of `rows` finite values; q: columns x rows doubles of the caller's. */
+/* Factor `columns` (1 to 7) columns of `rows` finite values; q: columns x rows doubles of the caller's. */
 void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_t rows, int columns,
                          const double *const *column, double *q);
 
 /* min ||data - A z||, z >= 0. residual: rows doubles, receives (data - A z) / data_scale. */
 void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual, struct nnls_answer *answer);
 
+/* The factorisation of a support: kept, or made into *room. */
+const struct nnls_support *brdffit_nnls_factored(const struct nnls *nnls, unsigned support, struct nnls_support *room);
+
 /*
- * The same from cosines 01, 02, 12 of unit columns (two columns: the first), without the columns: brdffit_nnls_support()
- * is then the answer to t = column . data of each. Accurate as far as the cosines are.
+ * The same from cosines [i][j], i < j, of unit columns, without the columns: brdffit_nnls_support() is then the answer to
+ * t = column . data of each. Accurate as far as the cosines are.
  */
-void brdffit_nnls_factor_gram(struct nnls *nnls, int columns, const double cosine[3]);
+void brdffit_nnls_factor_gram(struct nnls *nnls, int columns, double cosine[NNLS_COLUMNS][NNLS_COLUMNS]);
 
 /* Writes unit-column coefficients and returns their support. */
 unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double unit[NNLS_COLUMNS]);
 
-/* R(t, M) for 2 columns with t = (p, q) and cosine kappa in [0, 1]. */
-double brdffit_nnls_gain2(double p, double q, double kappa);
-
-/* The same for 3 columns; cosines 01, 02, 12, each in [0, 1]. */
-double brdffit_nnls_gain3(const double cosine[3], const double t[3]);
+/* R(t, M); cosines 01, 02, .., 12, .., each in [0, 1]. 2 to 7 columns. */
+double brdffit_nnls_gain(int columns, const double *cosine, const double *t);
 
 #endif

@@ -1,6 +1,6 @@
 /*
  * The restricted problem in norms that are not smooth: min |data - A z| over z >= 0 in L1 (the sum) or L-infinity
- * (the largest), with at most 3 columns of entries >= 0. A simplex method written for so few unknowns: it walks from
+ * (the largest), with as many columns as a model has, their entries >= 0. A simplex method written for so few unknowns: it walks from
  * vertex to vertex, each given by as many constraints as unknowns, so that the optimum is exact to rounding.
  * SPDX-License-Identifier: MIT
  */
@@ -11,8 +11,9 @@
 #include <stdint.h>
 
 #include "base/arena.h"
+#include "model/model.h"
 
-#define SIMPLEX_COLUMNS 3
+#define SIMPLEX_COLUMNS COLUMNS_MOST
 #define SIMPLEX_UNKNOWNS (SIMPLEX_COLUMNS + 1)
 
 struct simplex {

@@ -19,52 +19,69 @@
 #include "base/tolerance.h"
 #include "base/vector.h"
 
-void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, size_t channels, int lobes)
+void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, size_t channels,
+                           const struct model *model)
 {
     int p;
 
-    v->lobes = lobes;
+    v->model = model;
     v->phi = ARENA_DOUBLES(arena, PADDED(count));
-    v->q = brdffit_arena_take(arena, count, NNLS_COLUMNS * sizeof(double));
+    v->x = ARENA_DOUBLES(arena, PADDED(count));
+    v->slope = ARENA_DOUBLES(arena, PADDED(count));
+    v->q = brdffit_arena_take(arena, count, (size_t)model->columns * sizeof(double));
     v->residual = ARENA_DOUBLES(arena, count);
     v->answer = brdffit_arena_take(arena, channels, sizeof *v->answer);
-    for (p = 0; p < lobes; p++) {
+    for (p = 0; p < model->lobes; p++) {
         v->column[p] = ARENA_DOUBLES(arena, count);
         v->first[p] = ARENA_DOUBLES(arena, count);
         v->second[p] = ARENA_DOUBLES(arena, count);
     }
 }
 
+/* Columns p by theta, from x = -ell and slope of each group; no slopes: 0. */
+static void differentiate(struct varpro *v, const struct table *table, int p, const double u[3], const double *x,
+                          const double *slopes)
+{
+    const struct reduced *data = v->data;
+    size_t r;
+
+    for (r = 0; r < data->rows; r++) {
+        uint32_t j = data->row_c[r];
+        double value = table->row_b[r] * v->phi[j], ell = -x[j], slope = slopes ? slopes[j] : 0.0;
+
+        v->column[p][r] = value;
+        v->first[p][r] = value * (ell * u[1]);
+        v->second[p][r] = value * ((ell * ell + slope) * (u[1] * u[1]) + ell * u[2]);
+    }
+}
+
 /* Column p and its derivatives at theta. */
 static void lobe_columns(struct varpro *v, int p, double theta, int derivatives)
 {
+    const struct lobe_kind *kind = model_kind(v->model, p);
+    const struct table *table = varpro_table(v, p);
     const struct reduced *data = v->data;
     double u[3];
     size_t r;
 
-    v->kind->variable(data->c_min, theta, u);
-    v->kind->shape(v->kernels, data->c, data->stride, u[0], v->phi);
-    for (r = 0; r < data->rows; r++) {
-        double value = data->row_b[r] * v->phi[data->row_c[r]];
-
-        v->column[p][r] = value;
-        if (derivatives) {
-            double ell = -data->c[data->row_c[r]], slope = 0.0;
-
-            if (!v->kind->exponential) {
-                v->kind->slope(-ell, u[0], &ell, &slope);
-            }
-            v->first[p][r] = value * (ell * u[1]);
-            v->second[p][r] = value * ((ell * ell + slope) * (u[1] * u[1]) + ell * u[2]);
-        }
+    kind->variable(table->c_min, theta, u);
+    kind->shape(v->kernels, table->c, data->stride, u[0], v->phi);
+    if (derivatives && kind->exponential) {
+        differentiate(v, table, p, u, table->c, NULL);
+    } else if (derivatives) {
+        kind->slopes(v->kernels, table->c, data->stride, u[0], v->x, v->slope);
+        differentiate(v, table, p, u, v->x, v->slope);
+    }
+    for (r = 0; r < data->rows && !derivatives; r++) {
+        v->column[p][r] = table->row_b[r] * v->phi[data->row_c[r]];
     }
 }
 
 /* Products of derivative columns that every channel needs, at unit norm. */
 struct products {
-    double norm[2];             /* of the lobe columns */
-    double along[2][NNLS_COLUMNS]; /* d_p . A_j */
-    double dd[2][2];            /* d_p . d_q */
+    double norm[SIDES_MOST];                /* of the lobe columns */
+    double along[SIDES_MOST][COLUMNS_MOST]; /* d_p . A_j */
+    double dd[SIDES_MOST][SIDES_MOST];      /* d_p . d_q */
 };
 
 static void fill_products(const struct varpro *v, struct products *s)
@@ -72,8 +89,8 @@ static void fill_products(const struct varpro *v, struct products *s)
     size_t n = v->data->rows;
     int p, q, j, k;
 
-    for (p = 0; p < v->lobes; p++) {
-        double along_q[NNLS_COLUMNS];
+    for (p = 0; p < v->model->lobes; p++) {
+        double along_q[COLUMNS_MOST];
 
         s->norm[p] = v->nnls.norm[1 + p] * v->nnls.scale[1 + p];
         for (k = 0; k < v->nnls.columns; k++) {
@@ -97,12 +114,17 @@ static void fill_products(const struct varpro *v, struct products *s)
 }
 
 /* B_p G^-1 B_q' over the support, by Cholesky of G = (R'R)_S; a pivot that vanishes is skipped. */
-static void eliminate(const struct varpro *v, unsigned support, double b[2][NNLS_COLUMNS], double out[2][2])
+static void eliminate(const struct varpro *v, unsigned support, double b[SIDES_MOST][COLUMNS_MOST],
+                      double out[SIDES_MOST][SIDES_MOST])
 {
-    double g[NNLS_COLUMNS][NNLS_COLUMNS], w[2][NNLS_COLUMNS];
+    double g[COLUMNS_MOST][COLUMNS_MOST], w[SIDES_MOST][COLUMNS_MOST];
     int i, j, k, p, q, n = v->nnls.columns;
 
-    out[0][0] = out[0][1] = out[1][0] = out[1][1] = 0.0;
+    for (p = 0; p < v->model->lobes; p++) {
+        for (q = 0; q < v->model->lobes; q++) {
+            out[p][q] = 0.0;
+        }
+    }
     for (j = 0; j < n; j++) {
         if (!(support & (1u << j))) {
             continue;
@@ -123,7 +145,7 @@ static void eliminate(const struct varpro *v, unsigned support, double b[2][NNLS
             }
         }
         g[j][j] = g[j][j] > TOL_DEPENDENT ? sqrt(g[j][j]) : 0.0;
-        for (p = 0; p < v->lobes; p++) {
+        for (p = 0; p < v->model->lobes; p++) {
             w[p][j] = b[p][j];
             for (k = 0; k < j; k++) {
                 w[p][j] -= support & (1u << k) ? g[j][k] * w[p][k] : 0.0;
@@ -134,18 +156,22 @@ static void eliminate(const struct varpro *v, unsigned support, double b[2][NNLS
             }
         }
     }
-    out[0][1] = out[1][0];
+    for (p = 0; p < v->model->lobes; p++) {
+        for (q = 0; q < p; q++) {
+            out[q][p] = out[p][q];
+        }
+    }
 }
 
 /* One channel's part of the gradient and Hessian; scale2 turns the answer's units into the objective's. */
 static void add_channel(const struct varpro *v, const struct products *s, const struct nnls_answer *answer,
                         double scale2, struct varpro_value *value)
 {
-    double b[2][NNLS_COLUMNS], gone[2][2], dr[2], er[2];
+    double b[SIDES_MOST][COLUMNS_MOST], gone[SIDES_MOST][SIDES_MOST], dr[SIDES_MOST], er[SIDES_MOST];
     size_t n = v->data->rows;
     int p, q, j;
 
-    for (p = 0; p < v->lobes; p++) {
+    for (p = 0; p < v->model->lobes; p++) {
         double inverse = s->norm[p] > 0.0 ? 1.0 / s->norm[p] : 0.0;
 
         dr[p] = v->kernels->dot(v->first[p], v->residual, n) * inverse;
@@ -155,11 +181,11 @@ static void add_channel(const struct varpro *v, const struct products *s, const 
         }
     }
     eliminate(v, answer->support, b, gone);
-    for (p = 0; p < v->lobes; p++) {
+    for (p = 0; p < v->model->lobes; p++) {
         double z = answer->unit[1 + p];
 
         value->gradient[p] -= 2.0 * scale2 * z * dr[p];
-        for (q = 0; q < v->lobes; q++) {
+        for (q = 0; q < v->model->lobes; q++) {
             double h = z * answer->unit[1 + q] * s->dd[p][q] - (p == q ? z * er[p] : 0.0);
 
             /* A lobe that this channel does not use has no say in its roughness. */
@@ -172,19 +198,21 @@ static void add_channel(const struct varpro *v, const struct products *s, const 
 
 void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int derivatives, struct varpro_value *value)
 {
-    const double *column[NNLS_COLUMNS];
+    const double *column[COLUMNS_MOST];
     struct products products;
     size_t k;
-    int p;
+    int p, q;
 
-    for (p = 0; p < v->lobes; p++) {
+    for (p = 0; p < v->model->lobes; p++) {
         lobe_columns(v, p, at->theta[p], derivatives);
         column[1 + p] = v->column[p];
         value->gradient[p] = 0.0;
-        value->hessian[p][0] = value->hessian[p][1] = 0.0;
+        for (q = 0; q < v->model->lobes; q++) {
+            value->hessian[p][q] = 0.0;
+        }
     }
     column[0] = v->data->row_a;
-    brdffit_nnls_factor(&v->nnls, v->kernels, v->data->rows, 1 + v->lobes, column, v->q);
+    brdffit_nnls_factor(&v->nnls, v->kernels, v->data->rows, v->model->columns, column, v->q);
     if (derivatives) {
         fill_products(v, &products);
     }
@@ -211,7 +239,7 @@ static void evaluate(void *self, const struct point *at, int derivatives, struct
 
 double brdffit_varpro_descend(struct varpro *v, struct point *point)
 {
-    const struct newton descent = {v, evaluate, v->lobes, v->theta_low, v->theta_high, 0.0};
+    const struct newton descent = {v, evaluate, v->model->sides, v->theta_low, v->theta_high, 0.0};
 
     return brdffit_newton(&descent, point);
 }

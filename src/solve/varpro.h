@@ -7,28 +7,35 @@
 #define BRDFFIT_VARPRO_H
 
 #include "solve/newton.h"
-#include "model/lobe.h"
 #include "solve/nnls.h"
 #include "data/reduce.h"
 
 struct varpro {
     const struct reduced *data;
-    const struct lobe_kind *kind;
+    const struct model *model;
     const struct kernels *kernels;
-    int lobes;
-    double theta_low, theta_high; /* domain of a descent */
+    double theta_low[SIDES_MOST], theta_high[SIDES_MOST]; /* domain of a descent, of each side */
 
-    double *phi;        /* stride: the shape in use */
-    double *column[2];  /* R each: the lobes */
-    double *first[2];   /* R each: d column / d theta */
-    double *second[2];  /* R each */
-    double *q;          /* 3 x R */
-    double *residual;   /* R */
+    double *phi;                 /* stride: the shape in use */
+    double *x, *slope;           /* stride: -ell and slope of lobes that are not exponential */
+    double *column[SIDES_MOST];  /* R each: the lobes */
+    double *first[SIDES_MOST];   /* R each: d column / d theta */
+    double *second[SIDES_MOST];  /* R each */
+    double *q;                   /* columns x R */
+    double *residual;            /* R */
     struct nnls nnls;
-    struct nnls_answer *answer; /* K, of the last evaluation */
+    struct nnls_answer *answer;  /* K, of the last evaluation */
 };
 
-void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, size_t channels, int lobes);
+/* The table of the geometry that a lobe sees. */
+static inline const struct table *varpro_table(const struct varpro *v, int lobe)
+{
+    return &v->data->table[v->model->geometry[v->model->lobe[lobe].kind]];
+}
+
+/* Sets v->model, too. */
+void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, size_t channels,
+                           const struct model *model);
 
 void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int derivatives, struct varpro_value *value);
 

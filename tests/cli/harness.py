@@ -34,13 +34,13 @@ def environment(**changes):
 def run(*arguments, program=BRDFFIT, cwd=None, stdin=None, env=None, **more):
     """Run to the end; stdout and stderr as text. `stdin` is bytes."""
     done = subprocess.run([program, *arguments], cwd=cwd, input=b"" if stdin is None else stdin, env=env or environment(),
-                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=PATIENCE, **more)
+                          capture_output=True, timeout=PATIENCE, **more)
     done.stdout = done.stdout.decode("utf-8")
     done.stderr = done.stderr.decode("utf-8", "replace")
     return done
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def has_ecos():
     """Whether this build can run engine socp (make ECOS=0 cannot)."""
     return "ECOS" not in run("fit", "--quiet", "--engine", "socp", DATA / "mixed.csv").stderr

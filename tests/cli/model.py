@@ -8,6 +8,7 @@ SPDX-License-Identifier: MIT
 import csv
 import gzip
 import math
+import pathlib
 import struct
 
 import numpy as np
@@ -73,7 +74,7 @@ def half_difference(h, d, p):
 
 def read_merl(path, bins):
     """Light, view, values of the cells that were measured."""
-    raw = open(path, "rb").read()
+    raw = pathlib.Path(path).read_bytes()
     if raw[:2] == b"\x1f\x8b":
         raw = gzip.decompress(raw)
     nh, nd, np_ = struct.unpack("<3i", raw[:12])

@@ -10,7 +10,7 @@ import model
 
 def protocol():
     """Light and view of the paper's 84 samples."""
-    angles = [(l, a, v) for v in (0, 20, 40, 60) for l in range(0, 61, 10) for a in (0, 90, 180)]
+    angles = [(i, a, v) for v in (0, 20, 40, 60) for i in range(0, 61, 10) for a in (0, 90, 180)]
     li, ai, vi = np.array(angles, float).T
     return model.unit(li, ai), model.unit(vi, np.full(len(vi), 180.0))
 

@@ -117,7 +117,8 @@ def test_which_line(desk):
         assert done.returncode == 0 and "in fit %d;" % number in done.stderr
     done = harness.run("eval", "fits.json", "--select", "3", "matte.csv", cwd=desk)
     assert done.returncode == 0 and "in fit 3;" in done.stderr
-    for arguments, words in ((["nan.csv"], "fit 2 failed"), (["vectors.csv"], "--select"), (["matte.csv", "--select", "9"], "only 4")):
+    for arguments, words in ((["nan.csv"], "fit 2 failed"), (["vectors.csv"], "--select"),
+                             (["matte.csv", "--select", "9"], "only 4")):
         done = harness.run("eval", "fits.json", *arguments, cwd=desk)
         assert done.returncode == 3 and words in done.stderr and done.stdout == ""
 
@@ -141,8 +142,8 @@ def test_pretty_printed(desk):
 def test_contract_alone_is_enough(desk):
     """The members that the contract names, without our additions."""
     (line,) = harness.fit("two_lobe_satin.csv", "--lobes", "2", cwd=desk)
-    keep = ("schema file status distribution norm lobes sigma x y channel_scale e2 lower_bound gap rms samples_used "
-            "samples_skipped boxes nodes seconds").split()
+    keep = ["schema", "file", "status", "distribution", "norm", "lobes", "sigma", "x", "y", "channel_scale", "e2", "lower_bound",
+            "gap", "rms", "samples_used", "samples_skipped", "boxes", "nodes", "seconds"]
     save(desk, {name: line[name] for name in keep})
     here, _, _ = figures(harness.run("eval", "fits.json", "two_lobe_satin.csv", cwd=desk).stderr)
     assert here == pytest.approx(line["e2"], rel=1e-12)
@@ -168,7 +169,8 @@ def test_damaged_lines(desk, name, value):
     assert name == "schema" or name in done.stderr or name == "merl_samples"
 
 
-@pytest.mark.parametrize("text", ["", "\n\n", "{", "[]", "7", "null", '"fit"', "{}", '{"schema": 1}', "\0\0", "[" * 5000, "theta_i,r\n1,2\n"])
+@pytest.mark.parametrize("text", ["", "\n\n", "{", "[]", "7", "null", '"fit"', "{}", '{"schema": 1}', "\0\0", "[" * 5000,
+                                  "theta_i,r\n1,2\n"])
 def test_files_that_hold_no_fit(desk, text):
     (desk / "fits.json").write_text(text)
     done = harness.run("eval", "fits.json", "matte.csv", cwd=desk)

@@ -14,7 +14,8 @@ import model
 
 REQUIRED = {
     "schema": str, "file": str, "status": str, "distribution": str, "norm": str, "lobes": int, "sigma": list, "x": list,
-    "y": list, "channel_scale": list, "e2": (int, float), "objective": (int, float), "lower_bound": (int, float), "gap": (int, float), "rms": list,
+    "y": list, "channel_scale": list, "e2": (int, float), "objective": (int, float), "lower_bound": (int, float),
+    "gap": (int, float), "rms": list,
     "samples_used": int, "samples_skipped": dict, "boxes": int, "nodes": int, "seconds": dict,
 }
 SKIPS = {"zero_weight", "light_below_horizon", "view_below_horizon", "incidence", "masked", "absent", "cell_below_horizon"}
@@ -209,7 +210,8 @@ def test_names_of_files(instruments, tmp_path, name):
 
 
 def test_names_of_channels(tmp_path):
-    (tmp_path / "odd.csv").write_text('theta_i,theta_o,"a ""quoted"" name",naïve,\\slash\n0,0,1,2,3\n20,0,0.5,1,1\n40,0,0.2,0.9,1\n',
+    (tmp_path / "odd.csv").write_text('theta_i,theta_o,"a ""quoted"" name",naïve,\\slash\n'
+                                      '0,0,1,2,3\n20,0,0.5,1,1\n40,0,0.2,0.9,1\n',
                                       encoding="utf-8")
     (line,) = harness.fit("odd.csv", cwd=tmp_path)
     assert line["channels"] == ['a "quoted" name', "naïve", "\\slash"]

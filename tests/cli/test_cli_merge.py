@@ -167,7 +167,8 @@ def test_claims_beyond_reason(desk):
     line = (desk / "part-1.json").read_text()
     huge = 2**64 - 1
     for numbers, says in [((1, 1, 1, huge), "%d of %d files are missing: part 1/1 (only 1 of %d)\n" % (huge - 1, huge, huge)),
-                          ((1, huge, 1, huge), "part 2/%d, part 3/" % huge), ((huge, huge, huge, huge), "part 1/%d, part 2/" % huge),
+                          ((1, huge, 1, huge), "part 2/%d, part 3/" % huge),
+                          ((huge, huge, huge, huge), "part 1/%d, part 2/" % huge),
                           ((2, 1, 1, 3), "not as it was written"), ((2, 3, 4, 9), "not as it was written"),
                           ((1, 1, 4, 3), "not as it was written")]:
         assert says in merge(desk, "-", stdin=stamped(line, *numbers).encode(), expect=3).stderr, numbers
@@ -232,7 +233,10 @@ def test_maps(stack, target, options):
         assert names == sorted(p.name for p in (stack / ("whole" + target)).iterdir()) and "map.json" in names
         for name in names:
             assert (stack / target / name).read_bytes() == (stack / ("whole" + target) / name).read_bytes(), name
-    words = lambda text: [line for line in text.splitlines() if not line.startswith(("  Run:", "  Maps:"))]
+
+    def words(text):
+        return [line for line in text.splitlines() if not line.startswith(("  Run:", "  Maps:"))]
+
     assert words(done.stdout)[:2] == words(whole.stdout)[:2] and done.stderr == whole.stderr
     assert not (stack / (target + ".brdffit-work")).exists()
     assert "the maps are together already" in " ".join(merge(stack, target + ".brdffit-work", expect=1).stderr.split())
@@ -267,8 +271,9 @@ def test_maps_that_are_not_all_there(stack):
     assert "they go where 'brdffit map' was told" in merge(stack, "m", "-o", "n", expect=2).stderr
     assert "one at a time" in merge(stack, "m", "m", expect=2).stderr
     manifest = (work / "manifest").read_text()
-    for old, new, says in [("brdffit map 1", "another thing", "is not one of 'brdffit map'"), ("version ", "version 9", "version 9"),
-                           ("--lobes 1", "--lobes 3", "damaged"), ("maps of", "of", "damaged"), ("--tile 1", "--tile 0", "damaged"),
+    for old, new, says in [("brdffit map 1", "another thing", "is not one of 'brdffit map'"),
+                           ("version ", "version 9", "version 9"), ("--lobes 1", "--lobes 3", "damaged"),
+                           ("maps of", "of", "damaged"), ("--tile 1", "--tile 0", "damaged"),
                            ("--gap", "--gag", "damaged"), ("6 x 5 x", "6 x 99999999999999 x", "damaged"),
                            ("6 x 5 x", "5 x 6 x", "5 of 5 tiles are missing or damaged"),
                            ("beckmann", "blinn-phong", "6 of 6 tiles are missing or damaged")]:

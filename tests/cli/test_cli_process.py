@@ -3,6 +3,7 @@
 SPDX-License-Identifier: MIT
 """
 import os
+import pathlib
 import pty
 import resource
 import shutil
@@ -81,8 +82,11 @@ def test_closed_standard_input(desk):
                                      "--version", "eval fits.json matte.csv"])
 def test_output_that_cannot_be_written(desk, command):
     (desk / "fits.json").write_text(harness.run("fit", "--json", "matte.csv", cwd=desk).stdout)
-    run = lambda tail: subprocess.run('"%s" %s %s' % (harness.BRDFFIT, command, tail), shell=True, cwd=desk,
-                                      stderr=subprocess.PIPE, timeout=harness.PATIENCE)
+
+    def run(tail):
+        return subprocess.run('"%s" %s %s' % (harness.BRDFFIT, command, tail), shell=True, cwd=desk,
+                              stderr=subprocess.PIPE, timeout=harness.PATIENCE)
+
     before = sorted(os.listdir(desk))
     closed = run(">&-")
     assert closed.returncode == 1
@@ -96,7 +100,8 @@ def test_reader_that_went_away(desk):
     for command in (["fit", "--json", "matte.csv", "mis.csv"], ["info", "matte.csv"], ["--help"]):
         read, write = os.pipe()
         os.close(read)
-        done = subprocess.run([harness.BRDFFIT, *command], cwd=desk, stdout=write, stderr=subprocess.PIPE, timeout=harness.PATIENCE)
+        done = subprocess.run([harness.BRDFFIT, *command], cwd=desk, stdout=write, stderr=subprocess.PIPE,
+                              timeout=harness.PATIENCE)
         os.close(write)
         assert (done.returncode, done.stderr) == (1, b"")
 
@@ -124,7 +129,8 @@ def test_ascii_is_ascii(desk):
 def on_terminal(arguments, cwd, env):
     """Everything that a program shows on a terminal."""
     master, slave = pty.openpty()
-    process = subprocess.Popen([harness.BRDFFIT, *arguments], cwd=cwd, env=env, stdin=subprocess.DEVNULL, stdout=slave, stderr=slave)
+    process = subprocess.Popen([harness.BRDFFIT, *arguments], cwd=cwd, env=env, stdin=subprocess.DEVNULL, stdout=slave,
+                               stderr=slave)
     os.close(slave)
     shown = b""
     while True:
@@ -169,7 +175,8 @@ def test_progress_only_on_a_terminal(desk):
         if quiet:
             assert shown == b""
         else:
-            assert b"\rfile 2 of 3, " in shown and b" files/s, " in shown and b" s left" in shown and b"two_lobe_satin.csv" in shown
+            assert b"\rfile 2 of 3, " in shown and b"two_lobe_satin.csv" in shown
+            assert b" files/s, " in shown and b" s left" in shown
             assert b"\r\x1b[K" in shown and shown.endswith(b"3 files: 3 certified, 0 open, 0 failed\r\n")
     done = harness.run("fit", "mis.csv", "matte.csv", cwd=desk)
     assert "file 2" not in done.stderr
@@ -245,7 +252,10 @@ def test_output_that_does_not_fit(desk):
     """The file system refuses half-way: the old file stays, nothing is left behind."""
     (desk / "fits.json").write_text(harness.run("fit", "--json", "two_lobe_table.binary", cwd=desk).stdout)
     (desk / "out").write_text("old")
-    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000))
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000))
+
     done = harness.run("eval", "fits.json", "two_lobe_table.binary", "-o", "out", cwd=desk, preexec_fn=limit)
     assert done.returncode == 1 and "out" in done.stderr
     assert (desk / "out").read_text() == "old" and leftovers(desk) == []
@@ -276,7 +286,8 @@ def test_read_errors(desk):
         user = {"user": 65534} if os.geteuid() == 0 else {}
         done = harness.run("fit", "matte.csv", program=program, cwd=folder, **user)
         assert done.returncode == 1 and "matte.csv" in done.stderr and done.stdout == ""
-        done = harness.run("fit", "--json", "-o", "out", "-", program=program, cwd=folder, stdin=(desk / "mis.csv").read_bytes(), **user)
+        done = harness.run("fit", "--json", "-o", "out", "-", program=program, cwd=folder,
+                           stdin=(desk / "mis.csv").read_bytes(), **user)
         assert os.geteuid() != 0 or (done.returncode == 1 and sorted(os.listdir(folder)) == ["brdffit", "matte.csv"])
 
 
@@ -284,7 +295,10 @@ def test_no_memory(desk):
     """Too little memory for the workspace is told, not crashed on. Sanitizers need the memory for themselves."""
     if b"__asan_init" in harness.BRDFFIT.read_bytes():
         pytest.skip("a sanitizer build reserves memory of its own")
-    limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (40 << 20, 40 << 20))
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_AS, (40 << 20, 40 << 20))
+
     done = harness.run("fit", "--json", "--lobes", "2", "--box-budget", "100000000", "mis.csv", cwd=desk, preexec_fn=limit)
     (line,) = harness.lines(done.stdout)
     if line["status"] == "error":
@@ -317,7 +331,8 @@ def test_second_interrupt_ends(desk):
     process = start("fit", "--json", "-o", "out", "-", cwd=desk)
     reading(process)
     process.send_signal(signal.SIGINT)
-    while b"ShdPnd:\t0000000000000000" not in open("/proc/%d/status" % process.pid, "rb").read():
+    status = pathlib.Path("/proc/%d/status" % process.pid)
+    while b"ShdPnd:\t0000000000000000" not in status.read_bytes():
         pass  # the first one has to arrive before the second is sent: signals do not queue
     process.send_signal(signal.SIGINT)
     assert process.wait(harness.PATIENCE) == -signal.SIGINT

@@ -81,7 +81,10 @@ def test_same_seed_same_bytes(instruments, tmp_path):
     other = tmp_path / "other"
     assert not (other / "two_lobe_outliers.csv").exists()
     assert (other / "two_lobe_satin.csv").read_bytes() != (instruments / "two_lobe_satin.csv").read_bytes()
-    strip = lambda path: [line for line in path.read_text().splitlines() if "seed" not in line]
+
+    def strip(path):
+        return [line for line in path.read_text().splitlines() if "seed" not in line]
+
     assert strip(other / "two_lobe_exact.csv") == strip(instruments / "two_lobe_exact.csv")
 
 

@@ -25,7 +25,7 @@ static void write_numbers(const char *name, const double *v, size_t n)
 /* A box near the optimum or anywhere; disjoint sides. */
 static void draw_box(const struct fit *f, const double *near, uint64_t *s, double range[4])
 {
-    double low = f->theta_low, high = f->theta_high;
+    double low = f->domain[0].low, high = f->domain[0].high;
     int p;
 
     for (p = 0; p < 2; p++) {
@@ -46,28 +46,24 @@ static void draw_box(const struct fit *f, const double *near, uint64_t *s, doubl
 
 static double bound_of(struct fit *f, int lobes, const double range[4])
 {
-    struct box box = {0.0, 0, {0, 1}, 0};
+    struct box box = {0.0, 0, 0, {0, 1}};
     struct point met;
     int i;
 
     for (i = 0; i < 2; i++) {
-        f->axis.interval[i].low = (uint32_t)(2 * i);
-        f->axis.interval[i].high = (uint32_t)(2 * i + 1);
-        f->axis.interval[i].child = 0;
+        f->axis[0].interval[i].low = (uint32_t)(2 * i);
+        f->axis[0].interval[i].high = (uint32_t)(2 * i + 1);
+        f->axis[0].interval[i].child = 0;
     }
     for (i = 0; i < 4; i++) {
-        f->axis.coordinate[i] = range[i];
+        f->axis[0].coordinate[i] = range[i];
     }
-    f->axis.intervals = 2;
-    f->axis.nodes = 4;
+    f->axis[0].intervals = 2;
+    f->axis[0].nodes = 4;
     box.bound = INFINITY; /* unreachable: every bound is tried */
     box.interval[1] = lobes > 1 ? 1 : 0;
-    brdffit_bound_moment_start(&f->moment, &f->data, f->kind, f->varpro.kernels, &f->axis, lobes);
-    if (lobes > 1) {
-        (void)brdffit_bound_moment_two(&f->moment, &box, &met);
-    } else {
-        (void)brdffit_bound_moment_one(&f->moment, &box, &met);
-    }
+    brdffit_bound_moment_start(&f->moment, &f->data, &f->model, f->varpro.kernels, f->axis);
+    (void)brdffit_bound_moment(&f->moment, &box, &met);
     return box.bound;
 }
 
@@ -83,7 +79,9 @@ static void write_box(const struct bound_case *c, struct fit *f, const double ra
             theta[2 * i + p] = fmin(fmax(t, range[2 * p]), range[2 * p + 1]);
         }
     }
-    memcpy(scale, f->data.channel_scale, c->channels * sizeof *scale);
+    for (i = 0; i < (int)c->channels; i++) {
+        scale[i] = f->data.channel_scale[i] * f->data.value_scale;
+    }
     printf("{\"lobes\": %d, \"ggx\": %d, \"channels\": %zu, ", c->lobes, c->distribution == BRDFFIT_GGX, c->channels);
     write_numbers("a", c->a, c->count);
     write_numbers("b", c->b, c->count);
@@ -118,7 +116,7 @@ static void write_problem(uint64_t seed, int boxes)
     near[1] = -2.0 * log(result->model->sigma[0]);
     brdffit_arena_init(&arena, workspace, size);
     brdffit_fit_layout(&fit, &arena, c.count, c.channels, &options);
-    if (brdffit_reduce(&fit.data, &samples, &options, NULL) != BRDFFIT_OK) {
+    if (brdffit_reduce(&fit.data, &samples, &fit.model, &options, NULL) != BRDFFIT_OK) {
         exit(1);
     }
     bound_case_rescale(&c, &fit.data);

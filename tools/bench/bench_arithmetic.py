@@ -32,9 +32,10 @@ def optima(rows):
     """(set, file, lobes) -> the certified row of engine moment with the smallest gap."""
     best = {}
     for row in rows:
-        if row["method"] == "moment" and row["certified"] == "1":
-            if identity(row) not in best or float(row["knob"]) < float(best[identity(row)]["knob"]):
-                best[identity(row)] = row
+        if row["method"] != "moment" or row["certified"] != "1":
+            continue
+        if identity(row) not in best or float(row["knob"]) < float(best[identity(row)]["knob"]):
+            best[identity(row)] = row
     return best
 
 
@@ -102,9 +103,10 @@ def start_seconds(rows, method, lobes, name=None):
     """(set, file, lobes) -> mean seconds of one start of a local solver: from the row with the most starts."""
     most = {}
     for row in rows:
-        if row["method"] == method and row["lobes"] == str(lobes) and (name is None or row["set"] == name):
-            if identity(row) not in most or float(row["knob"]) > float(most[identity(row)]["knob"]):
-                most[identity(row)] = row
+        if row["method"] != method or row["lobes"] != str(lobes) or name not in (None, row["set"]):
+            continue
+        if identity(row) not in most or float(row["knob"]) > float(most[identity(row)]["knob"]):
+            most[identity(row)] = row
     return {key: float(row["seconds"]) / float(row["knob"]) for key, row in most.items()}
 
 

@@ -102,7 +102,8 @@ def paper_targets(b):
     for lobes in (1, 2):
         for gap, closed, files, boxes, time in paper_pairs(b, lobes, "socp-gap-every-box"):
             at_least = "" if closed == files else "at least "
-            rows.append([f"paper's bound (socp, every box) / moment, {lobes} lobe{'s' * (lobes > 1)}, gap {gap:g}", "boxes ≥ 1,000",
+            rows.append([f"paper's bound (socp, every box) / moment, {lobes} lobe{'s' * (lobes > 1)}, gap {gap:g}",
+                         "boxes ≥ 1,000",
                          f"{at_least}{ratio(boxes)} × boxes, {ratio(time)} × time; the paper's closed {closed} of {files}",
                          verdict(boxes >= 1000)])
     return rows
@@ -116,8 +117,8 @@ def kernel_targets(b):
     rows = []
     for lobes, found in b.instructions.items():
         if found:
-            rows.append([f"instructions, {lobes} lobe{'s' * (lobes > 1)}", "–", f"{found['node']:,.0f} a node, {found['box']:,.0f} a box, "
-                         f"{found['fit']:,.0f} a fit", "–"])
+            rows.append([f"instructions, {lobes} lobe{'s' * (lobes > 1)}", "–",
+                         f"{found['node']:,.0f} a node, {found['box']:,.0f} a box, {found['fit']:,.0f} a fit", "–"])
     best = [row for row in b.peak if row["distinct_c"] == "32"]
     if best:
         row = best[-1]
@@ -205,7 +206,8 @@ def exponents(b):
     parts = []
     for label, rows, field, least in (("N", b.by_n, "samples", 1000), ("K", b.by_k, "channels", 4)):
         for lobes in ("1", "2"):
-            found = a.slope([(int(r[field]), float(r["seconds"])) for r in rows if r["lobes"] == lobes and int(r[field]) >= least])
+            found = a.slope([(int(r[field]), float(r["seconds"])) for r in rows
+                             if r["lobes"] == lobes and int(r[field]) >= least])
             if found is not None:
                 parts.append(f"{label}^{found:.2f} with {lobes} lobe{'s' * (lobes == '2')}")
     return "; ".join(parts)
@@ -237,8 +239,9 @@ def evaluation_note(b):
     if not b.evaluation:
         return "SciPy was left out."
     cost = {key: seconds(value) for key, value in b.evaluation.items()}
-    return (f"One evaluation of the reduced objective: {cost['C, 1']} in C with one lobe, {cost['C, 2']} with two; from Python through "
-            f"ctypes {cost['ctypes, 1']} and {cost['ctypes, 2']}; vectorised in numpy {cost['numpy, 1']} (one lobe). SciPy got the compiled one.")
+    return (f"One evaluation of the reduced objective: {cost['C, 1']} in C with one lobe, {cost['C, 2']} with two; "
+            f"from Python through ctypes {cost['ctypes, 1']} and {cost['ctypes, 2']}; vectorised in numpy "
+            f"{cost['numpy, 1']} (one lobe). SciPy got the compiled one.")
 
 
 def section(b):
@@ -247,15 +250,18 @@ def section(b):
     return "\n".join([
         BEGIN, "## Run time against error", "",
         f"Made by `{b.options.command}` on {b.machine}, shared with other work (load {b.load[0]:.1f} at the start)."
-        f"{' ' + b.options.note if b.options.note else ''} Seconds are processor time of one thread; reading files is not in them. "
+        f"{' ' + b.options.note if b.options.note else ''} Seconds are processor time of one thread; reading files "
+        "is not in them. "
         f"{files} files: " + ", ".join(f"{name} ({len(found)})" for name, found in b.sets) +
-        ". narrow, near and single are generated (`tools/bench/families.c`): a second lobe far narrower than the sampling; two lobes "
-        "5 to 30 % apart; one lobe fitted with two. The figures (`bench.svg`: all files, median and worst; `bench_sets.svg`: each set; "
+        ". narrow, near and single are generated (`tools/bench/families.c`): a second lobe far narrower than the "
+        "sampling; two lobes 5 to 30 % apart; one lobe fitted with two. The figures (`bench.svg`: all files, median "
+        "and worst; `bench_sets.svg`: each set; "
         "`bench_costs.svg`) and every row are then in `build/bench/`.", "",
         "### Targets", "", table(["what", "target", "reached", ""], targets(b)), "",
         "### Every method over its knob", "",
-        "Error = (E − E*)/E*, E = √E², E* of the certified fit at a gap of 1e-12. A file is *found* when the error is at most 1e-6. "
-        "Times are medians over the files; of engines the whole `brdffit_fit()` with its proof, of peers the solver alone without "
+        "Error = (E − E*)/E*, E = √E², E* of the certified fit at a gap of 1e-12. A file is *found* when the error "
+        "is at most 1e-6. Times are medians over the files; of engines the whole `brdffit_fit()` with its proof, of "
+        "peers the solver alone without "
         "any preparation.", "",
         "**One lobe**", "", summary(b, 1), "", "**Two lobes**", "", summary(b, 2), "",
         "Two lobes, by data set:", "", by_set(b, 2), "", "One lobe, by data set:", "", by_set(b, 1), "",
@@ -263,10 +269,12 @@ def section(b):
         f"Peers: {versions}{', SciPy ' + scipy_version() if b.evaluation else ''}. {evaluation_note(b)}", "", *SETTINGS, "",
         PEERS, "",
         "### Against the paper's bound", "",
-        f"{b.paper_files} files of {main_set(b)}. Medians over files; a search that ran out of patience counts with the boxes and time "
+        f"{b.paper_files} files of {main_set(b)}. Medians over files; a search that ran out of patience counts with "
+        "the boxes and time "
         "it had, so that such ratios are lower limits.", "", paper_table(b), "",
         "### What a fit costs", "", "Against the gap, all files:", "", gap_rows(b), "",
-        f"Against N (K = 3) and K (N = 84), every c distinct, which is the worst case of the reduction; growth {exponents(b)}. Larger N are left out "
+        "Against N (K = 3) and K (N = 84), every c distinct, which is the worst case of the reduction; growth "
+        f"{exponents(b)}. Larger N are left out "
         f"where a fit could take more than {b.options.longest:g} s (`--longest`):", "",
         scaling_table(b.by_n, "samples", "N"), "", scaling_table(b.by_k, "channels", "K"), "",
         f"Peak memory of the command line as a whole process, one file: {b.memory[1] / 2 ** 20:.3g} MB with one lobe, "
@@ -278,13 +286,15 @@ def kernel_section(b):
     if b.peak:
         rows = [[row["isa"], row["distinct_c"], seconds(float(row["node_seconds"])), f"{float(row['node_flops']) / 1e9:.3g}",
                  f"{float(row['peak_flops']) / 1e9:.3g}", f"{100 * float(row['fraction']):.0f} %"] for row in b.peak]
-        lines += ["The node kernel (three channels) beside a loop of independent multiplications and additions; no FMA in either. "
+        lines += ["The node kernel (three channels) beside a loop of independent multiplications and additions; no "
+                  "FMA in either. "
                   "Operations are counted from the source (`tools/bench/kernel.c`).", "",
                   table(["instruction set", "distinct c (padded)", "a node", "Gflop/s", "peak Gflop/s", "part of it"], rows), ""]
     rows = [[lobes, f"{f['node']:,.0f}", f"{f['box']:,.0f}", f"{f['fit']:,.0f}", f"{f['nodes']:.0f}", f"{f['boxes']:.0f}"]
             for lobes, f in b.instructions.items() if f]
     if rows:
-        lines += [f"Instructions by callgrind (which knows no AVX-512, so that the fit runs its AVX2 code), mean of three files of "
+        lines += ["Instructions by callgrind (which knows no AVX-512, so that the fit runs its AVX2 code), mean of "
+                  "three files of "
                   f"{main_set(b)} at gap 1e-3; a box without its nodes:", "",
                   table(["lobes", "a node", "a box", "a fit", "nodes", "boxes"], rows), ""]
     else:

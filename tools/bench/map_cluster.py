@@ -12,6 +12,7 @@ Needs the package with its extra: pip install './python[dask]'. SPDX-License-Ide
 """
 import argparse
 import collections
+import functools
 import os
 import pathlib
 import shutil
@@ -25,6 +26,7 @@ import zarr
 
 import brdffit
 import brdffit.dask
+from brdffit.outofcore.tiles import TILE_TEXELS
 
 FIELDS = ("sigma", "x", "y", "channel_scale", "e2", "lower_bound", "sum_of_squares", "status", "stop", "where", "boxes")
 CHUNK = 64
@@ -125,8 +127,8 @@ def run(folder, options):
     stack, light, view = timed("making the stack", lambda: make(str(folder / "stack.zarr"), options.size, options.lobes))
     print("    %s %s, chunks %s, %.0f MB" % (stack.shape, stack.dtype, stack.chunks, stack.nbytes / 1e6))
     values = stack[:]
-    local = timed("from memory, %d threads" % options.workers, lambda: brdffit.fit_map(
-        values, light, view, lobes=options.lobes, threads=options.workers))
+    local = timed("from memory, %d threads" % options.workers, functools.partial(
+        brdffit.fit_map, values, light, view, lobes=options.lobes, threads=options.workers))
     del values
     threads = timed("zarr to zarr, %d threads" % options.workers, lambda: brdffit.fit_map(
         stack, light, view, output=str(folder / "threads.zarr"), client=False, threads=options.workers, progress=Listener(),
@@ -144,7 +146,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--size", type=int, default=512, help="texels along a side")
     parser.add_argument("--lobes", type=int, default=1, choices=(1, 2))
-    parser.add_argument("--tile", type=int, default=brdffit.dask._tiles.TILE_TEXELS, help="texels of a tile, at least")
+    parser.add_argument("--tile", type=int, default=TILE_TEXELS, help="texels of a tile, at least")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--folder", type=pathlib.Path, help="where stack and maps are left; default: nowhere")
     options = parser.parse_args()

@@ -17,7 +17,7 @@ import time
 import numpy as np
 
 import brdffit
-from brdffit import _batch
+from brdffit.maps import batch
 
 
 class DirectMap(ctypes.Structure):
@@ -75,7 +75,7 @@ def report(name, rows, unit, scale, csv):
 
 def maps(library, arguments, light, view):
     stack = make_stack(arguments.size, light, view)
-    tile = _batch.default_tile(brdffit.Options(lobes=arguments.lobes))
+    tile = batch.default_tile(brdffit.Options(lobes=arguments.lobes))
     given = DirectMap(stack.ctypes.data, light.ctypes.data, view.ctypes.data, len(light), arguments.size ** 2, 3,
                       arguments.lobes, arguments.threads, tile)
     found = {}

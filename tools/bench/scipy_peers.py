@@ -175,8 +175,8 @@ def evaluation_costs(library, path):
     for lobes in (1, 2):
         problem = Reduced(library, path, lobes)
         u = numpy.tile(numpy.array([-2.0, -1.0][:lobes])[:, None], 10000)
-        found[f"C, {lobes}"] = cost(lambda: problem.batch(u), 3) / 10000  # pylint: disable=cell-var-from-loop
-        found[f"ctypes, {lobes}"] = cost(lambda: problem.value((-2.0, -1.0)), 20000)  # pylint: disable=cell-var-from-loop
+        found[f"C, {lobes}"] = cost(lambda p=problem, u=u: p.batch(u), 3) / 10000
+        found[f"ctypes, {lobes}"] = cost(lambda p=problem: p.value((-2.0, -1.0)), 20000)
         problem.close()
     draw = numpy.random.default_rng(1)
     table = draw.random((84, 6))

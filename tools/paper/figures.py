@@ -19,7 +19,7 @@ def errors(out, rows, distributions):
     """Fig. 2. Rows are sorted by the first distribution's error."""
     figure, axes = plt.subplots(figsize=(6.2, 3.6))
     at = range(1, len(rows) + 1)
-    styles = [dict(marker="o", ms=2.6, lw=1.2, zorder=3), dict(marker="x", ms=3.2, lw=0)]
+    styles = [{"marker": "o", "ms": 2.6, "lw": 1.2, "zorder": 3}, {"marker": "x", "ms": 3.2, "lw": 0}]
     for index, distribution in enumerate(distributions):
         axes.plot(at, [row[f"rms_{distribution}"] for row in rows], color=INK[index], **styles[index],
                   label=distribution.title())
@@ -43,7 +43,7 @@ def reprojection(out, name, title, rows, channels, caption):
             for index, channel in enumerate(channels):
                 colour = CHANNEL.get(channel, INK[index % len(INK)])
                 angle = [a for a, _ in part]
-                for fit, style in (("one", dict(lw=1, ls=(0, (3, 2)))), ("two", dict(lw=1.2))):
+                for fit, style in (("one", {"lw": 1, "ls": (0, (3, 2))}), ("two", {"lw": 1.2})):
                     values = [r[f"{channel}_{fit}"] for _, r in part]
                     axes.plot(angle, [v if v >= lowest else math.nan for v in values], color=colour, **style)
                 axes.plot(angle, [max(r[f"{channel}_measured"], lowest) for _, r in part], color=colour, lw=0, marker="o",

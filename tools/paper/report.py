@@ -115,7 +115,8 @@ def box_rows(e):
         count = [b["boxes"] for b in answers.values()]
         ends = [b["stop"] for b in answers.values() if not b["certified"]]
         stops = ", ".join(f"{ends.count(s)} {s}" for s in sorted(set(ends)))
-        rows.append([engine, lobes, len(answers), f"{certified} ({stops})" if ends else certified, f"{sum(count):,}", f"{a.median(count):,.0f}",
+        rows.append([engine, lobes, len(answers), f"{certified} ({stops})" if ends else certified,
+                     f"{sum(count):,}", f"{a.median(count):,.0f}",
                      f"{max(len(b['levels']) for b in answers.values()) - 1}",
                      seconds(sum(b["seconds"] for b in answers.values())),
                      "–" if engine == "moment" else f"{max(apart):.1e} ({len(both)})" if both else "none",
@@ -128,7 +129,7 @@ def peer_table(e):
     """One row a setting, lobes and scope; counts of materials."""
     rows = []
     for lobes in (2, 1):
-        for scope, (materials, starts) in e.scopes.items():
+        for materials, starts in e.scopes.values():
             for label, peer in e.peers.items():
                 if not all(peer.complete(m, lobes, starts) for m in materials):
                     continue
@@ -162,7 +163,8 @@ def write(e):
         "Both engines, same partition and search; a level is one halving of one side (`boxes.svg`, `boxes.csv`). With two "
         "lobes engine socp stops at the paper's half-length of 2⁻¹¹ in σ (or, short of that, at 1,000,000 boxes or a full heap: "
         "counted below), on " + (f"one material in {e.boxes_every}, by name" if e.boxes_every > 1 else "all materials") +
-        ": its first-order bounds do not close a gap of 1e-6 there. E² apart: relative, where it is more than 1e-12 of the data's "
+        ": its first-order bounds do not close a gap of 1e-6 there. E² apart: relative, where it is more than 1e-12 "
+        "of the data's "
         "sum of squares, else 0.", "", box_rows(e), "",
         "### Local solvers from random starts", "",
         "The paper: Levenberg–Marquardt with two lobes is at the global optimum for 51 of 100 materials after 100 starts "

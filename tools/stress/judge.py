@@ -18,9 +18,9 @@ E2_UNITS = 40.0
 FLAT, FLAT_OF_DATA = 2e-12, 1e-26
 # Columns of a larger condition do not tell their coefficients apart: x and y are not compared one by one.
 IDENTIFIED = 1e8
-COLUMNS = ("failure", "family", "name", "stop", "certified", "boxes", "share", "e2_relative", "e2_units", "model_units", "condition", "excess",
-           "excess_of_data", "sigma_error", "sigma_units", "x_error", "y_error", "own_error", "own_units", "margin", "margin_units",
-           "same_bits", "twin_boxes", "basin")
+COLUMNS = ("failure", "family", "name", "stop", "certified", "boxes", "share", "e2_relative", "e2_units", "model_units",
+           "condition", "excess", "excess_of_data", "sigma_error", "sigma_units", "x_error", "y_error", "own_error",
+           "own_units", "margin", "margin_units", "same_bits", "twin_boxes", "basin")
 
 
 def root(ball):

@@ -266,7 +266,10 @@ class Problem:
         grid = np.unique(np.concatenate([[float(self.low)], np.linspace(low, high, SCAN[self.lobes]), [float(self.high)]]))
         root = np.array([float(r) for r in self.root])
         root /= root.max()
-        unit = lambda v: v / max(np.linalg.norm(v), 1e-300)
+
+        def unit(v):
+            return v / max(np.linalg.norm(v), 1e-300)
+
         a = unit(case.a[keep] / max(case.a[keep].max(), 1e-300) * root)
         b = case.b[keep] / max(case.b[keep].max(), 1e-300) * root
         g = np.array([unit(b * shape(case.distribution, c - c.min(), np.exp(t)) if case.distribution != "ggx" else
@@ -288,7 +291,10 @@ class Problem:
 def left_over(columns, data):
     """Squared distance of the data from the span, None if a coefficient is negative or the columns are dependent."""
     basis, upper, rest = [], [], list(data)
-    dot = lambda p, q: mpmath.fsum(u * v for u, v in zip(p, q))
+
+    def dot(p, q):
+        return mpmath.fsum(u * v for u, v in zip(p, q))
+
     projections = []
     for column in columns:
         v, row = list(column), []

@@ -12,13 +12,13 @@ import importlib.util
 from typing import TYPE_CHECKING, Any
 
 from ._ffi import LibraryError
-from ._pool import MapProgress
 from ._version import __version__
 from .boxes import Boxes, fit_boxes
 from .errors import BrdffitError, DataError, FileError, OptionError, OutOfMemoryError, UnsupportedError
 from .fit import Fit, fit
 from .many import fit_many
 from .maps import FitMap, fit_map
+from .maps.pool import MapProgress
 from .merl import MerlTable, load_merl
 from .options import Options
 from .progress import Progress

@@ -1,8 +1,7 @@
 """Errors: the C library's code, message and position. SPDX-License-Identifier: MIT"""
 from __future__ import annotations
 
-import math
-from typing import Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt

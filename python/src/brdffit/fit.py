@@ -6,20 +6,22 @@ import dataclasses
 import json
 import os
 import time
+from collections.abc import Callable, Mapping
 from ctypes import POINTER, byref
-from typing import Any, Callable, Mapping, Union
+from typing import Any, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _structs as structs
 from . import _words
+from ._arguments import choose
 from ._arrays import Floats, Frozen, address, floats, freeze, vectors
 from ._ffi import library
 from .errors import DataError, OptionError, from_struct
 from .options import BY_EXPONENT, Options, _number
 from .progress import Observer, ProgressArgument
-from .samples import Samples, choose
+from .samples import Samples
 
 SCHEMA = "brdffit.fit/1"
 SamplesLike = Union[Samples, str, "os.PathLike[str]"]

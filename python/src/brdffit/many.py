@@ -3,9 +3,10 @@ from __future__ import annotations
 
 import concurrent.futures
 import os
-from typing import TYPE_CHECKING, Iterable
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
-from ._pool import count_of, processors
+from ._arguments import count_of, processors
 from .errors import BrdffitError
 from .fit import Fit, SamplesLike, run
 from .options import FitOptions, Options

@@ -9,9 +9,10 @@ import zlib
 import numpy as np
 import numpy.typing as npt
 
+from ._arguments import Path, choose
 from ._arrays import Floats, freeze, vectors
 from .errors import DataError, FileError, OptionError
-from .samples import Path, Samples, choose
+from .samples import Samples
 
 Index = npt.NDArray[np.intp]
 _SNAP = 1e-14  # radians: IO_EDGE_SNAP

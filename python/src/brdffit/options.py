@@ -7,9 +7,9 @@ import math
 from typing import TYPE_CHECKING, TypedDict
 
 from . import _structs as structs
+from ._arguments import choose
 from ._ffi import library
 from .errors import OptionError
-from .samples import choose
 
 if TYPE_CHECKING:
     from typing_extensions import Self

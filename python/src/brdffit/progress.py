@@ -5,7 +5,8 @@ import dataclasses
 import sys
 import threading
 import time
-from typing import Any, Callable, Optional, Union
+from collections.abc import Callable
+from typing import Any
 
 from . import _structs as structs
 from .errors import OptionError
@@ -24,8 +25,8 @@ class Progress:
     lower_bound: float
 
 
-ProgressCallback = Callable[[Progress], Optional[bool]]
-ProgressArgument = Union[ProgressCallback, bool, None]
+ProgressCallback = Callable[[Progress], bool | None]
+ProgressArgument = ProgressCallback | bool | None
 
 
 class Bar:

@@ -1,7 +1,8 @@
 """The fit as a scikit-learn regressor. SPDX-License-Identifier: MIT"""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Union
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 Directions = tuple[Floats, Floats]
-Features = Union[str, Callable[[Floats], Directions]]
+Features = str | Callable[[Floats], Directions]
 
 _WIDTHS = {"directions": 6, "angles": 4, "coefficients": 3}
 

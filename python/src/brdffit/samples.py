@@ -2,45 +2,28 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 import weakref
-from ctypes import POINTER, byref, pointer
-from typing import Any, Mapping, Sequence, Union
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _structs as structs
-from ._arrays import Floats, Frozen, address, column, floats, freeze, from_address, vectors
+from ._arguments import Path, choose
+from ._arrays import Floats, Frozen, address, column, floats, freeze, vectors
 from ._ffi import library
 from ._words import readable
-from .errors import DataError, OptionError, from_struct
+from .errors import DataError
+from .readers import load
+from .readers.native import protocol84
 
-Path = Union[str, "os.PathLike[str]"]
+__all__ = ["Samples", "protocol84"]
 
 _VECTORS = ("light", "view", "normal")
 _ANGLES = ("cos_light", "cos_view", "tan2_half", "cos_difference")
 _COEFFICIENTS = ("a", "b", "c")
 _COLUMNS = (*_ANGLES, *_COEFFICIENTS, "weights")
 _ARRAYS = (*_VECTORS, *_COLUMNS, "values")
-
-
-def choose(name: str, value: str, choices: Sequence[str]) -> int:
-    """Position of a word; a clear error for any other."""
-    if not isinstance(value, str) or value not in choices:
-        raise OptionError("%s must be one of %s, not %r" % (name, ", ".join(map(repr, choices)), value), code="option")
-    return choices.index(value)
-
-
-class _Table:
-    """Owns a brdffit_table; freed with the last array that looks into it."""
-
-    def __init__(self, table: Any) -> None:
-        self._table = table
-        self._free = library().io.brdffit_io_free
-
-    def __del__(self) -> None:
-        self._free(self._table)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -168,34 +151,24 @@ class Samples(Frozen):
         """A CSV or TSV file (also .gz). One header line names the columns: theta_i, phi_i, theta_o, phi_o in degrees,
         or lx, ly, lz, vx, vy, vz, or a, b, c; weight; every other column is a channel. `quantity` None: "brdf" for
         directions, "radiance" for a, b, c."""
-        options = library().io_options()
-        options.format = structs.FORMAT.index("csv")
-        return _read(path, options, quantity)
+        return cls(**load(path, "csv", quantity=quantity))
 
     @classmethod
     def _places(cls, path: Path, quantity: str | None) -> Samples:
         """A CSV file that needs no channel: for its directions and weights."""
-        options = library().io_options()
-        options.format = structs.FORMAT.index("csv")
-        options.directions_only = 1
-        return _read(path, options, quantity)
+        return cls(**load(path, "csv", quantity=quantity, directions_only=True))
 
     @classmethod
     def from_merl(cls, path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "table",
                   bins: str = "edge") -> Samples:
         """A MERL .binary file (also .gz). samples: "table" (every cell that was measured), "84" (the paper's
         directions), or (light, view) to look up. bins: which angle entry i stands for, its bin's "edge" or "centre"."""
-        options = library().io_options()
-        options.format = structs.FORMAT.index("merl")
-        options.merl_bins = choose("bins", bins, structs.MERL_BINS)
-        at = None
+        choose("bins", bins, structs.MERL_BINS)
         if isinstance(samples, str):
-            options.merl_sampling = choose("samples", samples, structs.MERL_SAMPLING[:2])
-        else:
-            light, view = (vectors(name, value) for name, value in zip(("light", "view"), samples))
-            at = cls(values=np.zeros((len(light), 1)), channels=("",), light=light, view=view)
-            options.merl_sampling = structs.MERL_SAMPLING.index("directions")
-        return _read(path, options, None, at)
+            return cls(**load(path, "merl", samples=samples, bins=bins))
+        light, view = (vectors(name, value) for name, value in zip(("light", "view"), samples))
+        at = cls(values=np.zeros((len(light), 1)), channels=("",), light=light, view=view)
+        return cls(**load(path, "merl", samples=at._struct(), bins=bins), _merl_directions=np.hstack([light, view]))
 
     @classmethod
     def from_rgl(cls, path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "measured",
@@ -203,9 +176,7 @@ class Samples(Frozen):
         """An isotropic .bsdf file of the RGL database. samples: "measured" (the instrument's own directions), "84" (the
         paper's), or (light, view) to look up. clip: raise negative channels (colours outside of sRGB) to 0. `load_rgl` does
         more."""
-        from .readers.rgl import load_rgl
-
-        return load_rgl(path).samples(samples, clip=clip)
+        return cls(**load(path, "rgl", samples=samples, clip=clip))
 
     @classmethod
     def from_hdf5(cls, path: Path, *, names: Mapping[str, str | Sequence[str]] | None = None, group: str | None = None,
@@ -220,34 +191,18 @@ class Samples(Frozen):
         Attributes of values or of the group: quantity ("brdf" or "radiance") and channels. names: other names that the file
         has for these: {"values": "reflectance/data"}; for values also several, one a channel.
         """
-        from .readers.store import Store
-
-        return Store(os.fspath(path), "hdf5", names, group).samples(quantity)
+        return cls(**load(path, "hdf5", names=names, group=group, quantity=quantity))
 
     @classmethod
     def from_zarr(cls, path: Path, *, names: Mapping[str, str | Sequence[str]] | None = None, group: str | None = None,
                   quantity: str | None = None) -> Samples:
         """A zarr group, a folder or a .zip (needs zarr), as from_hdf5."""
-        from .readers.store import Store
-
-        return Store(os.fspath(path), "zarr", names, group).samples(quantity)
+        return cls(**load(path, "zarr", names=names, group=group, quantity=quantity))
 
     @classmethod
     def from_file(cls, path: Path) -> Samples:
         """Any of these, by its content (.lp and files that cannot be opened by their name)."""
-        from .readers._detect import kind_of
-
-        kind = kind_of(path)
-        if kind == "rgl":
-            return cls.from_rgl(path)
-        if kind == "hdf5":
-            return cls.from_hdf5(path)
-        if kind == "zarr":
-            return cls.from_zarr(path)
-        if kind is not None:
-            raise DataError("this holds images, not samples of one material: load_stack reads them", code="format",
-                            path=os.fspath(path))
-        return _read(path, library().io_options(), None)
+        return cls(**load(path))
 
     @classmethod
     def example(cls) -> Samples:
@@ -300,47 +255,3 @@ def _spread(name: str, value: npt.ArrayLike, count: int) -> Floats:
     if array.ndim == 1:
         array = np.broadcast_to(array, (count, 3))
     return np.ascontiguousarray(array)
-
-
-def _read(path: Path, options: structs.IoOptions, quantity: str | None, at: Samples | None = None) -> Samples:
-    name = os.fspath(path)
-    ffi = library()
-    if quantity is not None:
-        options.quantity_set = 1
-        options.quantity = choose("quantity", quantity, structs.QUANTITY)
-    if at is not None:
-        options.directions = pointer(at._struct())
-    table = POINTER(structs.Table)()
-    error = structs.Error()
-    if ffi.io.brdffit_io_read(os.fsencode(name), byref(options), byref(table), byref(error)) != 0:
-        raise from_struct(error, path=name)
-    owner = _Table(table)
-    return _from_table(table.contents, owner, name, at)
-
-
-def _from_table(table: structs.Table, owner: _Table, name: str, at: Samples | None) -> Samples:
-    data = table.samples.contents
-    count, channels = data.count, data.channels
-    arrays: dict[str, Any] = {key: from_address(getattr(data, key), (count,), owner) for key in _COLUMNS}
-    arrays.update({key: from_address(getattr(data, key), (count, 3), owner) for key in _VECTORS})
-    merl = structs.FORMAT[table.format] == "merl"
-    lines = None
-    if table.lines:
-        lines = np.ctypeslib.as_array(table.lines, (count,)).astype(np.uintp)
-    return Samples(
-        values=from_address(data.values, (count, channels), owner) if channels else np.zeros((count, 0)),  # type: ignore[arg-type]
-        channels=tuple(table.channel_names[k].decode("utf-8", "replace") for k in range(channels)),
-        form=structs.FORM[data.form], quantity=structs.QUANTITY[data.quantity], file=name,
-        format=structs.FORMAT[table.format], lines=lines,
-        merl_bins=structs.MERL_BINS[table.merl_bins] if merl else None,
-        merl_samples=structs.MERL_SAMPLING[table.merl_sampling] if merl else None,
-        dropped={reason: int(table.dropped[i]) for i, reason in enumerate(structs.DROP)},
-        _merl_directions=None if at is None else np.hstack([at.light, at.view]),  # type: ignore[list-item]
-        **arrays)
-
-
-def protocol84() -> tuple[Floats, Floats]:
-    """The paper's 84 light and view directions."""
-    light, view = np.empty((84, 3)), np.empty((84, 3))
-    library().io.brdffit_io_protocol84(light.ctypes.data, view.ctypes.data)
-    return light, view

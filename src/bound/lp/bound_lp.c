@@ -14,21 +14,23 @@
 #include "base/tolerance.h"
 #include "base/vector.h"
 
-void brdffit_bound_lp_layout(struct bound_lp *e, struct arena *arena, size_t count, size_t channels, int lobes,
-                             brdffit_norm norm)
+void brdffit_bound_lp_layout(struct bound_lp *e, struct arena *arena, size_t count, size_t channels,
+                             const struct model *model, brdffit_norm norm)
 {
     int p, end;
 
-    brdffit_lp_layout(&e->lp, arena, count, (size_t)(1 + 2 * lobes), norm);
+    brdffit_lp_layout(&e->lp, arena, count, (size_t)(COLUMNS_FIXED + 2 * model->lobes), norm);
     for (p = 0; p < 3; p++) {
         e->phi[p] = ARENA_DOUBLES(arena, PADDED(count));
     }
-    for (p = 0; p < lobes; p++) {
+    for (p = 0; p < model->lobes; p++) {
         for (end = 0; end < 2; end++) {
             e->lobe[p].upper[end] = ARENA_DOUBLES(arena, count);
             e->lobe[p].lower[end] = ARENA_DOUBLES(arena, count);
         }
     }
+    e->x = ARENA_DOUBLES(arena, PADDED(count));
+    e->slope = ARENA_DOUBLES(arena, PADDED(count));
     e->data = ARENA_DOUBLES(arena, count);
     e->relaxed = ARENA_DOUBLES(arena, channels);
     e->no_lobe = ARENA_DOUBLES(arena, channels);
@@ -79,7 +81,7 @@ static void open_channel(struct bound_lp *e, size_t k, double data_scale, struct
     program->data = e->data;
     program->upper[0] = program->lower[0] = data->row_a;
     program->limit[0] = a > 0.0 ? most / a : 0.0;
-    for (p = 0; p < e->restricted->varpro->lobes; p++) {
+    for (p = 0; p < e->restricted->varpro->model->lobes; p++) {
         const struct bound_lp_lobe *lobe = &e->lobe[p];
 
         for (end = 0; end < 2; end++) {
@@ -99,7 +101,7 @@ static double relaxed_of(const struct bound_lp *e, const struct nnls_answer *ans
     int p;
 
     z[0] = answer->unit[0] > 0.0 ? answer->unit[0] / v->nnls.norm[0] / v->nnls.scale[0] : 0.0;
-    for (p = 0; p < v->lobes; p++) {
+    for (p = 0; p < v->model->lobes; p++) {
         const struct bound_lp_lobe *lobe = &e->lobe[p];
         double unit = answer->unit[1 + p];
         double y = unit > 0.0 ? unit / v->nnls.norm[1 + p] / v->nnls.scale[1 + p] / lobe->tilt : 0.0;
@@ -155,14 +157,18 @@ double brdffit_bound_lp(struct bound_lp *e, struct box *box, struct point *met)
     size_t k;
     int p;
 
-    for (p = 0; p < v->lobes; p++) {
-        const struct axis_interval *i = &e->axis->interval[box->interval[p]];
-        double low = e->axis->coordinate[i->low], high = e->axis->coordinate[i->high];
+    for (p = 0; p < v->model->lobes; p++) {
+        const struct axis *axis = &e->axis[v->model->lobe[p].kind];
+        const struct axis_interval *i = &axis->interval[box->interval[p]];
+        double low = axis->coordinate[i->low], high = axis->coordinate[i->high];
 
         met->theta[p] = 0.5 * (low + high);
         brdffit_bound_lp_lobe(e, p, low, met->theta[p], high);
     }
-    box->split = v->lobes > 1 && e->lobe[1].change > e->lobe[0].change;
+    box->split = 0;
+    for (p = 1; p < v->model->lobes; p++) {
+        box->split = e->lobe[p].change > e->lobe[box->split].change ? (uint32_t)p : box->split;
+    }
     brdffit_l1_linf_evaluate(e->restricted, met, 0, &value);
     for (k = 0; k < v->data->channels; k++) {
         open_channel(e, k, v->answer[k].data_scale, &program);

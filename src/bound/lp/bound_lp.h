@@ -20,20 +20,21 @@ struct bound_lp_lobe {
 };
 
 struct bound_lp {
-    const struct axis *axis;
+    const struct axis *axis; /* one a kind */
     struct l1_linf *restricted;
     struct lp lp;
     int cheap;         /* decide by what is known of the centre where it can */
     double *phi[3];    /* stride each: shapes at the ends and the middle of an interval */
+    double *x, *slope; /* stride each: -ell and slope at the middle of lobes that are not exponential */
     double *data;      /* rows: a channel at about unit size */
     double *relaxed;   /* K: the program's objective at the centre's coefficients */
     double *no_lobe;   /* K: norm of the data */
-    struct bound_lp_lobe lobe[2];
+    struct bound_lp_lobe lobe[BRDFFIT_MAX_LOBES];
     size_t decided;    /* boxes that needed no program */
 };
 
-void brdffit_bound_lp_layout(struct bound_lp *engine, struct arena *arena, size_t count, size_t channels, int lobes,
-                             brdffit_norm norm);
+void brdffit_bound_lp_layout(struct bound_lp *engine, struct arena *arena, size_t count, size_t channels,
+                             const struct model *model, brdffit_norm norm);
 
 /* Allocates (ECOS does). `restricted` must be started. */
 brdffit_status brdffit_bound_lp_start(struct bound_lp *engine, struct l1_linf *restricted, const struct axis *axis,

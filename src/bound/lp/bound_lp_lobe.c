@@ -28,28 +28,44 @@ struct span {
     double tilt[2];
 };
 
-static struct span open_span(struct bound_lp *e, double low, double high)
+/* -ell at each group at the middle of the interval. */
+static const double *slopes_at(struct bound_lp *e, int p, double u)
 {
     const struct varpro *v = e->restricted->varpro;
-    const struct reduced *data = v->data;
+    const struct table *table = varpro_table(v, p);
+    const struct lobe_kind *kind = model_kind(v->model, p);
+
+    if (kind->exponential) {
+        return table->c;
+    }
+    kind->slopes(v->kernels, table->c, v->data->stride, u, e->x, e->slope);
+    return e->x;
+}
+
+static struct span open_span(struct bound_lp *e, int p, double low, double high)
+{
+    const struct varpro *v = e->restricted->varpro;
+    const struct table *table = varpro_table(v, p);
+    const struct lobe_kind *kind = model_kind(v->model, p);
     double u[3], weight = 0.0, sum = 0.0, half;
+    const double *x;
     struct span s;
     size_t j;
 
-    v->kind->variable(data->c_min, low, u);
+    kind->variable(table->c_min, low, u);
     s.u[0] = u[0];
-    v->kind->variable(data->c_min, high, u);
+    kind->variable(table->c_min, high, u);
     s.u[1] = u[0];
     s.u[2] = 0.5 * s.u[0] + 0.5 * s.u[1];
     for (j = 0; j < 3; j++) {
-        v->kind->shape(v->kernels, data->c, data->stride, s.u[j], e->phi[j]);
+        kind->shape(v->kernels, table->c, v->data->stride, s.u[j], e->phi[j]);
     }
-    for (j = 0; j < data->distinct; j++) {
-        double share = data->bb[j] * (e->phi[2][j] * e->phi[2][j]), ell, slope;
+    x = slopes_at(e, p, s.u[2]);
+    for (j = 0; j < v->data->distinct; j++) {
+        double share = table->bb[j] * (e->phi[2][j] * e->phi[2][j]);
 
-        v->kind->slope(data->c[j], s.u[2], &ell, &slope);
         weight += share;
-        sum -= share > 0.0 ? share * ell : 0.0;
+        sum += share > 0.0 ? share * x[j] : 0.0;
     }
     half = s.u[1] - s.u[2];
     s.rate = weight > 0.0 && half > 0.0 ? fmin(sum / weight, LONGEST_TILT / half) : 0.0;
@@ -58,20 +74,21 @@ static struct span open_span(struct bound_lp *e, double low, double high)
     return s;
 }
 
-static void fill_rows(struct bound_lp *e, struct bound_lp_lobe *lobe, const struct span *s)
+static void fill_rows(struct bound_lp *e, int p, const struct span *s)
 {
     const struct varpro *v = e->restricted->varpro;
-    const struct reduced *data = v->data;
+    const struct table *table = varpro_table(v, p);
+    const double *x = slopes_at(e, p, s->u[2]);
+    struct bound_lp_lobe *lobe = &e->lobe[p];
     size_t i;
     int end;
 
-    for (i = 0; i < data->rows; i++) {
-        uint32_t j = data->row_c[i];
-        double b = data->row_b[i], middle = b * e->phi[2][j], ell, slope, tangent[2], slack[2];
+    for (i = 0; i < v->data->rows; i++) {
+        uint32_t j = v->data->row_c[i];
+        double b = table->row_b[i], middle = b * e->phi[2][j], tangent[2], slack[2];
 
-        v->kind->slope(data->c[j], s->u[2], &ell, &slope);
         for (end = 0; end < 2; end++) {
-            double rise = (ell + s->rate) * (s->u[end] - s->u[2]);
+            double rise = (s->rate - x[j]) * (s->u[end] - s->u[2]);
 
             tangent[end] = middle * (1.0 + rise);
             slack[end] = TOL_SHAPE * middle * (1.0 + fabs(rise));
@@ -118,17 +135,17 @@ static double change_of(const struct bound_lp *e, const struct bound_lp_lobe *lo
 void brdffit_bound_lp_lobe(struct bound_lp *e, int p, double low, double centre, double high)
 {
     const struct varpro *v = e->restricted->varpro;
-    const struct span s = open_span(e, low, high);
+    const struct span s = open_span(e, p, low, high);
     struct bound_lp_lobe *lobe = &e->lobe[p];
     double u[3], rows = (double)v->data->rows;
     size_t i;
     int end;
 
-    fill_rows(e, lobe, &s);
+    fill_rows(e, p, &s);
     lobe->change = change_of(e, lobe);
     /* phi falls and the tilt rises, so f >= b phi(u_1) times the tilt at u_0. */
     lobe->least = norm_of(e, lobe->upper[1], s.tilt[0] / s.tilt[1]) * (1.0 - TOL_CURVATURE - rows * 4.0 * TOL_UNIT);
-    v->kind->variable(v->data->c_min, centre, u);
+    model_kind(v->model, p)->variable(varpro_table(v, p)->c_min, centre, u);
     lobe->place = s.u[1] > s.u[0] ? fmin(1.0, fmax(0.0, (u[0] - s.u[0]) / (s.u[1] - s.u[0]))) : 0.0;
     lobe->tilt = kernel_exp(s.rate * (u[0] - s.u[2]));
     for (end = 0; end < 2; end++) {

@@ -1,17 +1,17 @@
 /*
- * Engine `moment`: see bound.h and theory 4.2. SPDX-License-Identifier: MIT
+ * Engine `moment`: see bound.h and theory 4.2, 7.5. SPDX-License-Identifier: MIT
  *
  * For fixed coefficients z >= 0 let f_z(u) = sum_k 2 t.z_k - z_k'M z_k, so that J = max_z f_z is what a point
  * of the box gains: E^2 = T - J. Along one side of the box, at fraction x of it, f_z exceeds its chord by at most
  * w(x) D(z), w(x) = 4 x (1 - x), D(z) = (width^2 / 8) sup(-f_z''), which is linear in sup(-tau''), sup kappa'' and
  * sup mu''. So J(x) is at most the gain of the chord of (t, M) with w(x) times the (signed) shifts, the same x for all
- * channels; gains.h bounds that over x, and over both sides of a box with two lobes, from the gains at
- * the corners with each subset of the sides shifted.
+ * channels; gains.h bounds that over x, and over all sides of a box, from the gains at the corners
+ * with each subset of the sides shifted.
  *
- * R is finite only for off-diagonals >= 0; theory.md clips a shifted off-diagonal at 0, which is not a bound when
- * only some corners are clipped (the chord through clipped corners can lie above the true curve). Here an entry
- * that would fall below 0 at any corner is replaced at all corners by its infimum over the box, a constant that
- * minorises it. Raising an entry to at most 1 is never needed: gains clip there, on the safe side.
+ * A shifted off-diagonal may fall below 0, where R need not be finite. Clipping it at 0 corner by corner is no bound: the
+ * chord through clipped corners can lie above the true curve. Here an entry that would fall below 0 at any corner is
+ * replaced at all corners by its infimum over the box, a constant that minorises it. Raising an entry to at most 1 is
+ * never needed: gains clip there, on the safe side.
  *
  * For wide boxes the monotone bound, every tau at its supremum and every cosine at its infimum, can be smaller. It is
  * looked at only when the other does not close the box.
@@ -20,57 +20,68 @@
 
 #include <math.h>
 
-#include "solve/nnls.h"
 #include "base/tolerance.h"
 #include "base/vector.h"
+#include "solve/nnls.h"
 
 void brdffit_bound_moment_layout(struct bound_moment *e, struct arena *arena, size_t count, size_t channels,
-                                 uint32_t node_capacity, int lobes)
+                                 uint32_t node_capacity, const struct model *model)
 {
-    brdffit_moments_layout(&e->moments, arena, count, channels, node_capacity, lobes);
-    brdffit_intervals_layout(&e->intervals, arena, AXIS_INTERVALS(node_capacity), channels);
+    int kind;
+
+    brdffit_moments_layout(&e->moments, arena, count, channels, node_capacity, model);
+    for (kind = 0; kind < model->kinds; kind++) {
+        brdffit_intervals_layout(&e->intervals[kind], arena, AXIS_INTERVALS(node_capacity), channels);
+    }
 }
 
-void brdffit_bound_moment_start(struct bound_moment *e, const struct reduced *data, const struct lobe_kind *kind,
-                                const struct kernels *kernels, struct axis *axis, int lobes)
+void brdffit_bound_moment_start(struct bound_moment *e, const struct reduced *data, const struct model *model,
+                                const struct kernels *kernels, struct axis *axis)
 {
+    int kind;
+
+    e->model = model;
     e->axis = axis;
-    brdffit_moments_start(&e->moments, data, kind, kernels, lobes);
-    brdffit_intervals_start(&e->intervals, &e->moments);
-}
-
-static struct interval *plain_side(struct bound_moment *e, uint32_t index)
-{
-    const struct axis_interval *i = &e->axis->interval[index];
-
-    return brdffit_interval(&e->intervals, index, i->low, i->high, e->axis->coordinate[i->low],
-                            e->axis->coordinate[i->high]);
+    brdffit_moments_start(&e->moments, data, model, kernels);
+    for (kind = 0; kind < model->kinds; kind++) {
+        brdffit_intervals_start(&e->intervals[kind], &e->moments, kind);
+    }
 }
 
 /* Refine an interval by its halves, these refined `depth` - 1 times before, as far as there are nodes to spare. */
-static struct interval *refined_side(struct bound_moment *e, uint32_t index, int depth)
+static struct interval *refined_side(struct bound_moment *e, int kind, uint32_t index, int depth)
 {
-    struct interval *v = plain_side(e, index);
+    struct axis *axis = &e->axis[kind];
+    struct interval *v = brdffit_interval(&e->intervals[kind], index, axis);
 
-    if (v->refined < depth && e->axis->nodes < e->axis->node_capacity / 2) {
-        uint32_t child = brdffit_axis_split(e->axis, index);
+    if (v->refined < depth && axis->nodes < axis->node_capacity / 2) {
+        uint32_t child = brdffit_axis_split(axis, index);
 
         if (child) {
-            brdffit_interval_refine(&e->intervals, v, refined_side(e, child, depth - 1),
-                                    refined_side(e, child + 1, depth - 1));
+            brdffit_interval_refine(&e->intervals[kind], v, refined_side(e, kind, child, depth - 1),
+                                    refined_side(e, kind, child + 1, depth - 1));
             v->refined = depth;
         }
     }
     return v;
 }
 
-const struct interval *brdffit_bound_moment_side(struct bound_moment *e, uint32_t index, int depth)
+/* How much the mean exponent changes over an interval. */
+static double change_over(const struct interval *v)
 {
-    struct interval *v = plain_side(e, index);
-    double change = v->low->mean * (v->high->u - v->low->u);
-    int useful = change > REFINE_TWICE ? 2 : change > REFINE_ONCE ? 1 : 0;
+    return v->low->mean * (v->high->u - v->low->u);
+}
 
-    return refined_side(e, index, useful < depth ? useful : depth);
+const struct interval *brdffit_bound_moment_side(struct bound_moment *e, int kind, uint32_t index, int depth)
+{
+    const struct interval *v = brdffit_interval(&e->intervals[kind], index, &e->axis[kind]);
+    int useful;
+
+    if (v->refined >= depth) {
+        return v;
+    }
+    useful = change_over(v) > REFINE_TWICE ? 2 : change_over(v) > REFINE_ONCE ? 1 : 0;
+    return refined_side(e, kind, index, useful < depth ? useful : depth);
 }
 
 double brdffit_bound_moment_objective(const struct bound_moment *e, double gain)
@@ -80,121 +91,311 @@ double brdffit_bound_moment_objective(const struct bound_moment *e, double gain)
     return bound > 0.0 ? bound : 0.0;
 }
 
-void brdffit_bound_moment_meet(const struct bound_moment *e, double gain, const double theta[2], double *best,
-                               struct point *met)
-{
-    double objective = e->moments.data->total - gain;
+/* ---- a box: what follows has the number of sides S as a constant, in an instance for each ---- */
 
-    if (objective < *best) {
-        *best = objective;
-        met->theta[0] = theta[0];
-        met->theta[1] = theta[1];
+#define INSTANCE static inline __attribute__((always_inline))
+
+/* A box: what bounds each of its sides, and all of them together. */
+struct view {
+    struct bound_moment *engine;
+    const struct interval *side[SIDES_MOST];
+    int alike[SIDES_MOST];     /* whether the side before it is the same interval of the same kind */
+    double least[COSINES(SIDES_MOST)]; /* infimum of each cosine */
+    struct gains gains;        /* as they are at the corners */
+};
+
+INSTANCE struct sides sides_of(const struct view *v, int p, int q)
+{
+    const struct model *model = v->engine->model;
+    const struct sides s = {&v->engine->moments, {model->lobe[p].kind, model->lobe[q].kind}, {v->side[p], v->side[q]}};
+
+    return s;
+}
+
+/* mu of sides p < q at the corners, how far it falls, and its infimum. */
+INSTANCE void open_pair(struct view *v, int p, int q, int entry)
+{
+    const struct sides s = sides_of(v, p, q);
+    int same = s.side[0] == s.side[1], corner;
+
+    for (corner = 0; corner < 4; corner++) {
+        /* On the diagonal (high, low) mirrors (low, high). */
+        v->gains.cosine[entry][corner] = brdffit_pair_corner(&s, corner == 1 && same ? 2 : corner)->mu;
+    }
+    v->least[entry] = brdffit_pair_least(&s);
+    v->gains.fall[entry][0] = brdffit_pair_shift(&s, 0, v->least[entry]);
+    v->gains.fall[entry][1] = same ? v->gains.fall[entry][0] : brdffit_pair_shift(&s, 1, v->least[entry]);
+}
+
+INSTANCE void open_side(struct view *v, const struct box *box, int p, int depth)
+{
+    const struct model_lobe *lobe = &v->engine->model->lobe[p];
+    const struct interval *s = brdffit_bound_moment_side(v->engine, lobe->kind, box->interval[p], depth);
+    struct gains *g = &v->gains;
+
+    v->side[p] = s;
+    v->alike[p] = p > 0 && p > lobe->first && v->side[p - 1] == s;
+    v->least[p] = s->kappa_inf;
+    g->tau[p][0] = s->low->tau;
+    g->tau[p][1] = s->high->tau;
+    g->shift[p] = s->tau_shift;
+    g->cosine[p][0] = s->low->kappa;
+    g->cosine[p][1] = s->high->kappa;
+    g->fall[p][0] = s->kappa_shift;
+    g->fall[p][1] = 0.0;
+}
+
+INSTANCE void open_view(struct view *v, struct bound_moment *e, const struct box *box, int depth, const int S)
+{
+    int p, q, entry;
+
+    v->engine = e;
+    v->gains.channels = e->moments.data->bounded;
+    v->gains.omega = e->moments.omega;
+    for (p = 0; p < S; p++) {
+        open_side(v, box, p, depth);
+    }
+    for (p = 0, entry = S; p < S; p++) {
+        for (q = p + 1; q < S; q++, entry++) {
+            open_pair(v, p, q, entry);
+        }
     }
 }
 
-/* ---- one lobe ---- */
-
-static double monotone_one(const struct bound_moment *e, const struct interval *v)
+/* Whether shifts may be used: those of intervals, and of pairs, which LIMIT_SHIFT covers too. */
+INSTANCE int usable(const struct view *v, const int S)
 {
-    double sum = 0.0;
+    int fine = 1, i;
+
+    for (i = 0; i < S; i++) {
+        fine = fine && v->side[i]->usable;
+    }
+    for (i = S; i < COSINES(S); i++) {
+        fine = fine && fabs(v->gains.fall[i][0]) <= LIMIT_SHIFT && fabs(v->gains.fall[i][1]) <= LIMIT_SHIFT;
+    }
+    return fine;
+}
+
+/* Whether the shifts would push entry i below 0 at some corner. */
+INSTANCE int sinks(const struct view *v, int i, const int S)
+{
+    const double *cosine = v->gains.cosine[i], *fall = v->gains.fall[i];
+    double lowest = smaller(cosine[0], cosine[1]), most = larger(fall[0], 0.0);
+
+    if (i >= S) {
+        lowest = smaller(lowest, smaller(cosine[2], cosine[3]));
+        most += larger(fall[1], 0.0);
+    }
+    return !(lowest - most >= 0.0);
+}
+
+/* Such entries become their infimum in *safe, a copy of the gains, when there are any. Returns how many. */
+INSTANCE int make_constant(const struct view *v, struct gains *safe, const int S)
+{
+    int c, i, constants = 0;
+
+    for (i = 0; i < COSINES(S); i++) {
+        if (!sinks(v, i, S)) {
+            continue;
+        }
+        if (constants++ == 0) {
+            *safe = v->gains;
+        }
+        for (c = 0; c < 4; c++) {
+            safe->cosine[i][c] = v->least[i];
+        }
+        safe->fall[i][0] = safe->fall[i][1] = 0.0;
+    }
+    return constants;
+}
+
+/* Every tau at its supremum, every cosine at its infimum. */
+INSTANCE double monotone(const struct view *v, const int S)
+{
+    double sum = 0.0, cosine[COSINES(SIDES_MOST)], t[COLUMNS_MOST];
+    int p, q, entry = S, e = 0;
     size_t k;
 
-    for (k = 0; k < e->moments.data->bounded; k++) {
-        sum += brdffit_nnls_gain2(e->moments.omega[k], v->tau_sup[k], v->kappa_inf);
+    for (p = 0; p < S; p++) { /* of the Gram matrix: the fixed column's row first, then pairs */
+        cosine[e++] = v->least[p];
+    }
+    for (p = 0; p < S; p++) {
+        for (q = p + 1; q < S; q++) {
+            cosine[e++] = v->least[entry++];
+        }
+    }
+    for (k = 0; k < v->gains.channels; k++) {
+        t[0] = v->gains.omega[k];
+        for (p = 0; p < S; p++) {
+            t[1 + p] = v->side[p]->tau_sup[k];
+        }
+        sum += brdffit_nnls_gain(1 + S, cosine, t);
     }
     return sum;
 }
 
-static int finite_shifts(const struct bound_moment *e, const struct interval *v)
+INSTANCE double coordinate(const struct view *v, int p, int high)
 {
-    int finite = isfinite(v->kappa_shift);
-    size_t k;
+    const struct axis *axis = &v->engine->axis[v->engine->model->lobe[p].kind];
 
-    for (k = 0; k < e->moments.data->bounded; k++) {
-        finite = finite && isfinite(v->tau_shift[k]);
-    }
-    return finite;
+    return axis->coordinate[high ? v->side[p]->high_index : v->side[p]->low_index];
 }
 
-static void open_one(const struct bound_moment *e, const struct interval *v, struct gains_one *in)
+/* Whether a corner mirrors one that has its high ends at later sides. */
+INSTANCE int mirrors(const struct view *v, unsigned corner, const int S)
 {
-    in->channels = e->moments.data->bounded;
-    in->omega = e->moments.omega;
-    in->tau[0] = v->low->tau;
-    in->tau[1] = v->high->tau;
-    in->shift = v->tau_shift;
-    in->cosine[0] = v->low->kappa;
-    in->cosine[1] = v->high->kappa;
-    in->fall = v->kappa_shift;
+    int p, mirror = 0;
+
+    for (p = 1; p < S; p++) {
+        mirror = mirror || (v->alike[p] && (corner >> (p - 1) & 1) && !(corner >> p & 1));
+    }
+    return mirror;
 }
 
-/* The bound of one interval by its shifts, by the highest corner where that reaches `cutoff`; `gain`: of its ends, as they are. */
-static double vertex_one(const struct bound_moment *e, const struct interval *v, double cutoff, double gain[4])
+/* The best corner, from true cosines. J is raised by epsilon: the true objective is not below T - J. */
+INSTANCE double meet_corners(const struct view *v, const double *gain, struct point *met, const int S)
 {
-    const struct kernels *kernels = e->moments.kernels;
-    struct gains_one in;
-    double safe[4];
+    double total = v->engine->moments.data->total, best = INFINITY;
+    unsigned corner;
+    int p;
 
-    open_one(e, v, &in);
-    kernels->gains_one(&in, gain);
-    if (!finite_shifts(e, v)) {
-        return 0.0;
-    }
-    if (smaller(in.cosine[0], in.cosine[1]) - larger(in.fall, 0.0) >= 0.0) {
-        double highest = larger(larger(gain[0], gain[1]), larger(gain[2], gain[3]));
-        double bound = brdffit_bound_moment_objective(e, highest);
+    for (corner = 0; corner < 1u << S; corner++) {
+        double objective = total - gain[corner];
 
-        return bound >= cutoff ? bound : brdffit_bound_moment_objective(e, kernels->climb_one(gain));
+        if (!(objective < best) || mirrors(v, corner, S)) {
+            continue;
+        }
+        best = objective;
+        for (p = 0; p < S; p++) {
+            met->theta[p] = coordinate(v, p, corner >> p & 1);
+        }
     }
-    in.cosine[0] = in.cosine[1] = v->kappa_inf;
-    in.fall = 0.0;
-    kernels->gains_one(&in, safe);
-    return brdffit_bound_moment_objective(e, kernels->climb_one(safe));
+    return best;
 }
 
-/* Refined step by step, as long as the box stays open: its halves are needed then anyway. */
-double brdffit_bound_moment_one(void *self, struct box *box, struct point *met)
+/* Whether ranges are no rival to chords: the ends of every side nearly agree. */
+INSTANCE int narrow(const struct view *v, const int S)
 {
-    struct bound_moment *e = self;
-    double cutoff = box->bound, best = INFINITY, gain[4];
-    const struct interval *v = brdffit_bound_moment_side(e, box->interval[0], 0);
-    int i, depth;
+    double change = 0.0;
+    int i;
 
-    box->split = 0;
-    box->bound = vertex_one(e, v, cutoff, gain);
+    for (i = 0; i < S; i++) {
+        change += change_over(v->side[i]);
+    }
+    return change < MONOTONE_LEAST;
+}
+
+static double largest_of(const double *gain, unsigned count)
+{
+    double largest = gain[0];
+    unsigned i;
+
+    for (i = 1; i < count; i++) {
+        largest = larger(largest, gain[i]);
+    }
+    return largest;
+}
+
+INSTANCE uint32_t widest(const struct view *v, const int S)
+{
+    int p, most = 0;
+
+    for (p = 1; p < S; p++) {
+        double width = coordinate(v, p, 1) - coordinate(v, p, 0);
+
+        most = width > coordinate(v, most, 1) - coordinate(v, most, 0) ? p : most;
+    }
+    return (uint32_t)most;
+}
+
+static uint32_t most_lifted(const double *lift, int sides)
+{
+    int p, most = 0;
+
+    for (p = 1; p < sides; p++) {
+        most = lift[p] > lift[most] ? p : most;
+    }
+    return (uint32_t)most;
+}
+
+/*
+ * The bound by shifts into box->bound: by the highest corner where that closes the box already, with no need to know the
+ * maximum between them, nor which side to split. Returns the best objective met, 0 or more shifts usable in *lifts.
+ */
+INSTANCE double bound_view(const struct view *v, struct box *box, double cutoff, struct point *met, double *lift,
+                           int *chords, const int S)
+{
+    const struct kernels *kernels = v->engine->moments.kernels;
+    double gain[GAINS(SIDES_MOST)], best;
+
+    *chords = usable(v, S);
+    kernels->gains[S - 1](&v->gains, *chords, gain);
+    best = meet_corners(v, gain, met, S);
+    box->bound = 0.0;
+    if (*chords) {
+        struct gains safe;
+
+        if (make_constant(v, &safe, S)) {
+            kernels->gains[S - 1](&safe, 1, gain);
+        }
+        box->bound = brdffit_bound_moment_objective(v->engine, largest_of(gain, GAINS(S)));
+        if (!(box->bound >= cutoff)) {
+            box->bound = brdffit_bound_moment_objective(v->engine, kernels->box_maximum[S - 1](gain, lift));
+        }
+    }
+    return best;
+}
+
+/* One side: refined step by step as long as the box stays open, whose halves are needed then anyway. */
+INSTANCE double bound_refining(struct bound_moment *e, struct box *box, double cutoff, struct point *met,
+                               struct view *v)
+{
+    double best, lift[SIDES_MOST], bound;
+    int depth, chords;
+
+    open_view(v, e, box, 0, 1);
+    best = bound_view(v, box, cutoff, met, lift, &chords, 1);
     for (depth = 1; depth <= 2 && !(box->bound >= cutoff); depth++) {
-        v = brdffit_bound_moment_side(e, box->interval[0], depth);
-        if (v->refined == depth) {
-            box->bound = larger(box->bound, vertex_one(e, v, cutoff, gain));
+        bound = box->bound;
+        if (brdffit_bound_moment_side(e, e->model->lobe[0].kind, box->interval[0], depth)->refined == depth) {
+            open_view(v, e, box, depth, 1);
+            best = bound_view(v, box, cutoff, met, lift, &chords, 1);
+            box->bound = larger(box->bound, bound);
         }
     }
-    for (i = 0; i < 2; i++) {
-        double theta = e->axis->coordinate[i ? v->high_index : v->low_index];
-
-        brdffit_bound_moment_meet(e, gain[i], (double[2]){theta, theta}, &best, met);
-    }
-    if (!(box->bound >= cutoff)) {
-        box->bound = larger(box->bound, brdffit_bound_moment_objective(e, monotone_one(e, v)));
-    }
+    box->split = 0;
     return best;
 }
 
-double brdffit_bound_moment_start_one(void *self, struct point *met)
+INSTANCE double bound_sides(struct bound_moment *e, struct box *box, struct point *met, const int S)
 {
-    struct bound_moment *e = self;
-    double best = INFINITY;
-    uint32_t i;
+    double cutoff = box->bound, best, lift[SIDES_MOST], vertex;
+    struct view v;
+    int chords = 0;
 
-    for (i = 0; i <= e->axis->first; i++) {
-        const double theta[2] = {e->axis->coordinate[i], e->axis->coordinate[i]};
-        const struct node *node = brdffit_moments_node(&e->moments, i, theta[0]);
-        double sum = 0.0;
-        size_t k;
-
-        for (k = 0; k < e->moments.data->bounded; k++) {
-            sum += brdffit_nnls_gain2(e->moments.omega[k], node->tau[k], larger(node->kappa, 0.0));
-        }
-        brdffit_bound_moment_meet(e, sum, theta, &best, met);
+    if (S == 1) {
+        best = bound_refining(e, box, cutoff, met, &v);
+    } else {
+        open_view(&v, e, box, 2, S);
+        best = bound_view(&v, box, cutoff, met, lift, &chords, S);
     }
+    vertex = box->bound;
+    if (vertex >= cutoff) {
+        return best;
+    }
+    if (S == 1 || !narrow(&v, S)) {
+        box->bound = larger(vertex, brdffit_bound_moment_objective(e, monotone(&v, S)));
+    }
+    /* Split the side whose shift costs most at a corner; the widest one where the chord is useless. */
+    box->split = chords && vertex == box->bound ? most_lifted(lift, S) : widest(&v, S);
     return best;
+}
+
+double brdffit_bound_moment(struct bound_moment *e, struct box *box, struct point *met)
+{
+    switch (e->model->sides) {
+    case 1: return bound_sides(e, box, met, 1);
+    case 2: return bound_sides(e, box, met, 2);
+    default: return bound_sides(e, box, met, 3);
+    }
 }

@@ -3,7 +3,7 @@
  *
  * With t, M of theory 2 and z the optimum on its support S, J = sum_k 2 t.z_k - z_k'M z_k has for lobe p and s = s_p
  *
- *     J_p  = sum_k 2 z_p r_p,                r = t_p' - kappa_p' z_0 - mu_p' z_q     (primes: by s_p)
+ *     J_p  = sum_k 2 z_p r_p,                r = t_p' - kappa_p' z_0 - sum_q mu_pq' z_q     (primes: by s_p)
  *     J_pp = sum_k 2 z_p (t_p'' - kappa_p'' z_0 - mu_pp z_q)  +  2 v_p' (M_S)^-1 v_p
  *     J_pq = sum_k - 2 z_p z_q mu_pq                          +  2 v_p' (M_S)^-1 v_q
  *
@@ -24,7 +24,7 @@
 
 struct descender {
     struct moments *moments;
-    int lobes;
+    const struct model *model;
 };
 
 /* Value, first and second derivative by s. */
@@ -32,11 +32,16 @@ struct jet {
     double value, first, second;
 };
 
+/* mu of lobes p and q as lobe p sees it: derivatives by s_p, and the mixed one. */
+struct cross {
+    double value, first, second, mixed;
+};
+
 /* A point: everything that does not depend on the channel. */
 struct spot {
-    const struct node *node[2];
-    struct jet kappa[2];
-    double mu, mu_first[2], mu_second[2], mu_mixed;
+    const struct node *node[SIDES_MOST];
+    struct jet kappa[SIDES_MOST];
+    struct cross mu[SIDES_MOST][SIDES_MOST]; /* [p][q], q != p */
     struct nnls nnls;
 };
 
@@ -68,40 +73,36 @@ static struct jet tau_of(const struct moments *m, const struct node *node, size_
     return jet;
 }
 
-static void open_pair(struct moments *m, struct spot *s)
+static void open_pair(struct moments *m, struct spot *s, int p, int q)
 {
-    struct pair pair = brdffit_moments_scratch_pair(m);
-    double d[2];
-    int p;
+    struct pair pair = brdffit_moments_scratch_pair(m, 0, (uint32_t)p, (uint32_t)q);
+    double mu = pair.value * inverse_root(s->node[p]) * inverse_root(s->node[q]);
+    double dp = pair.mean - s->node[p]->mean, dq = pair.mean - s->node[q]->mean;
 
-    s->mu = pair.value * inverse_root(s->node[0]) * inverse_root(s->node[1]);
-    for (p = 0; p < 2; p++) {
-        d[p] = pair.mean - s->node[p]->mean;
-        s->mu_first[p] = -s->mu * d[p];
-        s->mu_second[p] = s->mu * (pair.variance + d[p] * d[p] - 2.0 * s->node[p]->m2);
-    }
-    s->mu_mixed = s->mu * (pair.variance + d[0] * d[1]);
+    s->mu[p][q].value = s->mu[q][p].value = mu;
+    s->mu[p][q].first = -mu * dp;
+    s->mu[q][p].first = -mu * dq;
+    s->mu[p][q].second = mu * (pair.variance + dp * dp - 2.0 * s->node[p]->m2);
+    s->mu[q][p].second = mu * (pair.variance + dq * dq - 2.0 * s->node[q]->m2);
+    s->mu[p][q].mixed = s->mu[q][p].mixed = mu * (pair.variance + dp * dq);
 }
 
 static void open_spot(struct moments *m, int lobes, const struct point *at, struct spot *s)
 {
-    double inverse_a = m->data->aa > 0.0 ? 1.0 / sqrt(m->data->aa) : 0.0, cosine[3];
-    int p;
+    double inverse_a = m->data->aa > 0.0 ? 1.0 / sqrt(m->data->aa) : 0.0, cosine[NNLS_COLUMNS][NNLS_COLUMNS];
+    int p, q;
 
     for (p = 0; p < lobes; p++) {
-        s->node[p] = brdffit_moments_scratch(m, (uint32_t)p, at->theta[p]);
+        s->node[p] = brdffit_moments_scratch(m, 0, (uint32_t)p, at->theta[p]);
     }
     for (p = 0; p < lobes; p++) {
         s->kappa[p] = jet_of(s->node[p], &s->node[p]->functional[0], inverse_root(s->node[p]) * inverse_a);
+        cosine[0][1 + p] = s->kappa[p].value;
+        for (q = 0; q < p; q++) {
+            open_pair(m, s, q, p);
+            cosine[1 + q][1 + p] = s->mu[q][p].value;
+        }
     }
-    s->mu = s->mu_mixed = 0.0;
-    s->mu_first[0] = s->mu_first[1] = s->mu_second[0] = s->mu_second[1] = 0.0;
-    if (lobes > 1) {
-        open_pair(m, s);
-    }
-    cosine[0] = s->kappa[0].value;
-    cosine[1] = lobes > 1 ? s->kappa[1].value : 0.0;
-    cosine[2] = s->mu;
     brdffit_nnls_factor_gram(&s->nnls, 1 + lobes, cosine);
 }
 
@@ -119,46 +120,60 @@ static void reduce(const struct nnls_support *s, const double *v, double *out)
     }
 }
 
+/* Gradient and own second derivatives of a channel with coefficients z; w[p] = U'^-1 v_p on its support. */
+static void add_slopes(const struct spot *s, int lobes, const struct nnls_support *on, const struct jet *tau,
+                       const double *z, double w[SIDES_MOST][NNLS_COLUMNS], struct varpro_value *j)
+{
+    int p, q;
+
+    for (p = 0; p < lobes; p++) {
+        double v[NNLS_COLUMNS], curved = tau[p].second - s->kappa[p].second * z[0];
+
+        v[0] = -s->kappa[p].first * z[1 + p];
+        v[1 + p] = tau[p].first - s->kappa[p].first * z[0];
+        for (q = 0; q < lobes; q++) {
+            if (q != p) {
+                v[1 + q] = -s->mu[p][q].first * z[1 + p];
+                v[1 + p] -= s->mu[p][q].first * z[1 + q];
+                curved -= s->mu[p][q].second * z[1 + q];
+            }
+        }
+        reduce(on, v, w[p]);
+        j->gradient[p] += 2.0 * z[1 + p] * v[1 + p];
+        if (z[1 + p] > 0.0) {
+            j->hessian[p][p] += 2.0 * z[1 + p] * curved;
+        }
+    }
+}
+
 /* Add a channel to the value, the gradient and the Hessian of J by s. */
 static void add_channel(const struct descender *d, const struct spot *s, size_t k, struct varpro_value *j)
 {
     const struct moments *m = d->moments;
-    double t[NNLS_COLUMNS] = {0.0, 0.0, 0.0}, z[NNLS_COLUMNS], w[2][NNLS_COLUMNS];
-    struct jet tau[2];
-    unsigned support;
-    int p, q, i;
+    double t[NNLS_COLUMNS], z[NNLS_COLUMNS], w[SIDES_MOST][NNLS_COLUMNS];
+    struct jet tau[SIDES_MOST];
+    const struct nnls_support *on;
+    struct nnls_support room;
+    int lobes = d->model->lobes, p, q, i;
 
     t[0] = m->data->aa > 0.0 ? m->data->bound_root[k] * m->data->ai[m->data->bound_channel[k]] / sqrt(m->data->aa)
                              : 0.0;
-    for (p = 0; p < d->lobes; p++) {
+    for (p = 0; p < lobes; p++) {
         tau[p] = tau_of(m, s->node[p], k);
         t[1 + p] = tau[p].value;
     }
-    support = brdffit_nnls_support(&s->nnls, t, z);
-    for (i = 0; i <= d->lobes; i++) {
+    on = brdffit_nnls_factored(&s->nnls, brdffit_nnls_support(&s->nnls, t, z), &room);
+    for (i = 0; i <= lobes; i++) {
         j->objective += z[i] * t[i]; /* stationary: 2 t.z - z'Mz = t.z */
     }
-    for (p = 0; p < d->lobes; p++) {
-        double other = d->lobes > 1 ? z[2 - p] : 0.0, v[NNLS_COLUMNS];
-
-        v[0] = -s->kappa[p].first * z[1 + p];
-        v[1 + p] = tau[p].first - s->kappa[p].first * z[0] - s->mu_first[p] * other;
-        if (d->lobes > 1) {
-            v[2 - p] = -s->mu_first[p] * z[1 + p];
-        }
-        reduce(&s->nnls.support[support], v, w[p]);
-        j->gradient[p] += 2.0 * z[1 + p] * v[1 + p];
-        if (z[1 + p] > 0.0) {
-            j->hessian[p][p] += 2.0 * z[1 + p] * (tau[p].second - s->kappa[p].second * z[0] - s->mu_second[p] * other);
-        }
-    }
-    for (p = 0; p < d->lobes; p++) {
-        for (q = 0; q < d->lobes; q++) {
+    add_slopes(s, lobes, on, tau, z, w, j);
+    for (p = 0; p < lobes; p++) {
+        for (q = 0; q < lobes; q++) {
             if (!(z[1 + p] > 0.0 && z[1 + q] > 0.0)) {
                 continue; /* a lobe that this channel does not use has no say in its roughness */
             }
-            j->hessian[p][q] -= p == q ? 0.0 : 2.0 * z[1] * z[2] * s->mu_mixed;
-            for (i = 0; i < s->nnls.support[support].count; i++) {
+            j->hessian[p][q] -= p == q ? 0.0 : 2.0 * z[1 + p] * z[1 + q] * s->mu[p][q].mixed;
+            for (i = 0; i < on->count; i++) {
                 j->hessian[p][q] += 2.0 * w[p][i] * w[q][i];
             }
         }
@@ -176,27 +191,28 @@ static void evaluate(void *self, const struct point *at, int derivatives, struct
     int p, q;
 
     (void)derivatives;
-    open_spot(d->moments, d->lobes, at, &spot);
+    open_spot(d->moments, d->model->lobes, at, &spot);
     for (k = 0; k < d->moments->data->bounded; k++) {
         add_channel(d, &spot, k, &j);
     }
     *value = zero;
     value->objective = fmax(d->moments->data->total - j.objective, 0.0);
-    for (p = 0; p < d->lobes; p++) {
+    for (p = 0; p < d->model->lobes; p++) {
         double s = spot.node[p]->u;
 
         value->gradient[p] = -s * j.gradient[p];
-        for (q = 0; q < d->lobes; q++) {
+        for (q = 0; q < d->model->lobes; q++) {
             value->hessian[p][q] = -s * spot.node[q]->u * j.hessian[p][q];
         }
         value->hessian[p][p] += value->gradient[p];
     }
 }
 
-void brdffit_moment_descend(struct moments *m, int lobes, double low, double high, struct point *point)
+void brdffit_moment_descend(struct moments *m, const struct model *model, const double *low, const double *high,
+                            struct point *point)
 {
-    struct descender descender = {m, lobes};
-    const struct newton descent = {&descender, evaluate, lobes, low, high, m->slack};
+    struct descender descender = {m, model};
+    const struct newton descent = {&descender, evaluate, model->sides, low, high, m->slack};
 
     (void)brdffit_newton(&descent, point);
 }

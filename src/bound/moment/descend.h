@@ -8,9 +8,10 @@
 #include "data/moments.h"
 
 /*
- * Improve a point inside [low, high], for exponential families; nothing is proven by it, and data near rounding level
- * need the vector form afterwards (theory 4.3).
+ * Improve a point inside [low, high] (a number a side), for models of one exponential kind; nothing is proven by it, and
+ * data near rounding level need the vector form afterwards (theory 4.3).
  */
-void brdffit_moment_descend(struct moments *moments, int lobes, double low, double high, struct point *point);
+void brdffit_moment_descend(struct moments *moments, const struct model *model, const double *low, const double *high,
+                            struct point *point);
 
 #endif

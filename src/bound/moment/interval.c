@@ -6,7 +6,7 @@
  *
  *     W~'' = sum W [(x - mean)^2 + slope] g^  -  [E slope + 2 Var x] W~
  *
- * On [l, u] every phi, H, x and slope is decreasing, so with ends only (theory 4.2, "signed deviations"):
+ * On [l, u] every phi, H, x and slope is decreasing, so with ends only (theory 4.2, "enclosures"):
  *
  *     W~'' <= max_{c0 in {mean(l), mean(u)}} sum W (x - c0)^2 phi(l) / sqrt(H(u))  -  inf[..] inf W~
  *     W~'' >= min_{c0 in [mean(u), mean(l)]} sum W (x - c0)^2 phi(u) / sqrt(H(l))  -  sup[..] sup W~
@@ -24,13 +24,12 @@
  * it. The largest of the three numbers is a shift of the whole, and for a parabola the exact one. D(m) is a difference
  * of node values that carry their allowance on one side, so it gets that of both.
  *
- * Exponential families have x = c' and slope = 0, so that node sums suffice; the general family sums over all
+ * Exponential lobes have x = c' and slope = 0, so that node sums suffice; the others sum over all
  * c, with each (x - c0)^2 enclosed on its own: interval_family.c.
  */
 #include "bound/moment/interval.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "bound/moment/interval_family.h"
 #include "base/tolerance.h"
@@ -41,16 +40,17 @@
 
 void brdffit_intervals_layout(struct intervals *t, struct arena *arena, size_t capacity, size_t channels)
 {
-    t->capacity = capacity;
     t->interval = brdffit_arena_take(arena, capacity, sizeof *t->interval);
-    t->ready = brdffit_arena_take(arena, capacity, 1);
+    marks_layout(&t->ready, arena, capacity);
     t->pool = brdffit_arena_take(arena, capacity, 2 * channels * sizeof(double));
 }
 
-void brdffit_intervals_start(struct intervals *t, struct moments *moments)
+void brdffit_intervals_start(struct intervals *t, struct moments *moments, int kind)
 {
     t->moments = moments;
-    memset(t->ready, 0, t->capacity);
+    t->kind = kind;
+    t->exponential = moments->kind[kind].kind->exponential;
+    marks_start(&t->ready);
 }
 
 /* sum W (x - mean - d)^2 phi from moments about the mean, with an allowance for its cancellation. */
@@ -61,7 +61,6 @@ static double shifted_square(const struct functional *f, double d, double allowa
     return (f->f2 - first + second) + allowance * (f->f2 + fabs(first) + second);
 }
 
-/* The mean that minimises shifted_square, clipped to [-reach, 0] about the node's own mean... */
 static double clip(double d, double low, double high)
 {
     return d < low ? low : d > high ? high : d;
@@ -99,16 +98,40 @@ static struct enclosure exponential_curvature(struct interval *v)
     return e;
 }
 
-static struct enclosure functional_curvature(struct intervals *t, const struct interval *v, size_t f,
+static struct enclosure own_curvature(const struct intervals *t, struct interval *v)
+{
+    struct enclosure e;
+
+    if (t->exponential) {
+        return exponential_curvature(v);
+    }
+    v->root_m4 = INFINITY;
+    brdffit_family_curvature(t->moments, t->kind, v, &e.low, &e.high);
+    return e;
+}
+
+static struct enclosure functional_curvature(const struct intervals *t, const struct interval *v, size_t f,
                                              struct enclosure curvature)
 {
     struct enclosure e;
 
-    if (t->moments->kind->exponential) {
+    if (t->exponential) {
         return exponential_functional(v, f, curvature);
     }
-    brdffit_general_functional(t->moments, v, f, curvature.low, curvature.high, &e.low, &e.high);
+    brdffit_family_functional(t->moments, t->kind, v, f, curvature.low, curvature.high, &e.low, &e.high);
     return e;
+}
+
+/* Whether the shifts are of use (LIMIT_SHIFT). */
+static int usable(const struct intervals *t, const struct interval *v)
+{
+    int fine = fabs(v->kappa_shift) <= LIMIT_SHIFT;
+    size_t k;
+
+    for (k = 0; k < t->moments->data->bounded && fine; k++) {
+        fine = fabs(v->tau_shift[k]) <= LIMIT_SHIFT * t->moments->norm[k];
+    }
+    return fine;
 }
 
 /* Plain ranges by monotonicity, and the deviations of kappa and every tau. */
@@ -117,17 +140,11 @@ static void fill(struct intervals *t, struct interval *v)
     const struct reduced *data = t->moments->data;
     double a_norm = sqrt(data->aa), epsilon = larger(v->low->epsilon, v->high->epsilon);
     double width = v->high->u - v->low->u;
-    struct enclosure curvature, e;
+    struct enclosure curvature = own_curvature(t, v), e;
     size_t k, K = data->bounded;
     int negative = data->functionals > 1 + K;
 
     v->eighth = UP * (width * width / 8.0);
-    if (t->moments->kind->exponential) {
-        curvature = exponential_curvature(v);
-    } else {
-        brdffit_general_curvature(t->moments, v, &curvature.low, &curvature.high);
-        v->root_m4 = INFINITY;
-    }
     v->curvature = curvature.low;
     v->kappa_inf = 0.0;
     v->kappa_shift = 0.0;
@@ -151,10 +168,11 @@ static void fill(struct intervals *t, struct interval *v)
         v->tau_sup[k] = sup + epsilon * t->moments->norm[k];
         v->tau_shift[k] = v->eighth * curved;
     }
+    v->usable = usable(t, v);
 }
 
 /* All lobes vanish, or the node at u is the node at l: the interval is one point. */
-static void fill_point(struct intervals *t, struct interval *v)
+static void fill_point(const struct intervals *t, struct interval *v)
 {
     size_t k;
 
@@ -163,26 +181,23 @@ static void fill_point(struct intervals *t, struct interval *v)
     v->kappa_inf = larger(0.0, v->low->kappa);
     v->curvature = 0.0;
     v->root_m4 = 0.0;
+    v->usable = 1;
     for (k = 0; k < t->moments->data->bounded; k++) {
         v->tau_shift[k] = 0.0;
         v->tau_sup[k] = v->low->tau[k];
     }
 }
 
-struct interval *brdffit_interval(struct intervals *t, uint32_t index, uint32_t low, uint32_t high, double theta_low,
-                                  double theta_high)
+void brdffit_interval_fill(struct intervals *t, uint32_t index, const struct axis *axis)
 {
+    const struct axis_interval *i = &axis->interval[index];
     struct interval *v = &t->interval[index];
     size_t K = t->moments->data->bounded;
 
-    if (t->ready[index]) {
-        return v;
-    }
-    t->ready[index] = 1;
-    v->low = brdffit_moments_node(t->moments, low, theta_low);
-    v->high = brdffit_moments_node(t->moments, high, theta_high);
-    v->low_index = low;
-    v->high_index = high;
+    v->low = brdffit_moments_node(t->moments, t->kind, i->low, axis->coordinate[i->low]);
+    v->high = brdffit_moments_node(t->moments, t->kind, i->high, axis->coordinate[i->high]);
+    v->low_index = i->low;
+    v->high_index = i->high;
     v->refined = 0;
     v->tau_shift = t->pool + 2 * K * index;
     v->tau_sup = v->tau_shift + K;
@@ -191,7 +206,6 @@ struct interval *brdffit_interval(struct intervals *t, uint32_t index, uint32_t 
     } else {
         fill_point(t, v);
     }
-    return v;
 }
 
 /* The shift of the whole from its halves; `middle`: D(m), with its rounding. */
@@ -222,26 +236,64 @@ void brdffit_interval_refine(struct intervals *t, struct interval *v, const stru
 
         v->tau_shift[k] = smaller(v->tau_shift[k], joined(m, above, left->tau_shift[k], right->tau_shift[k]));
     }
+    v->usable = usable(t, v);
 }
 
-double brdffit_pair_shift(struct intervals *t, const struct interval *first, const struct interval *second, int which)
+/* ---- pairs ---- */
+
+static uint32_t end_of(const struct interval *v, int high)
 {
-    const struct interval *side = which ? second : first;
-    const struct pair *corner, *far;
-    double square, square_low, square_high, mu_inf;
+    return high ? v->high_index : v->low_index;
+}
+
+const struct pair *brdffit_pair_corner(const struct sides *b, int corner)
+{
+    const struct couple at = {{b->kind[0], b->kind[1]},
+                              {end_of(b->side[0], corner & 1), end_of(b->side[1], corner >> 1 & 1)}};
+
+    return brdffit_moments_pair(b->moments, &at);
+}
+
+/*
+ * Lobes of one kind: mu falls with their distance (the sum of phi phi' being log-convex), so the corner that is furthest
+ * from the diagonal has the least. Of two kinds: the sum of products falls with both variables, and so do the norms.
+ */
+double brdffit_pair_least(const struct sides *b)
+{
+    const struct node *low0 = b->side[0]->low, *low1 = b->side[1]->low;
+    const struct node *high0 = b->side[0]->high, *high1 = b->side[1]->high;
+    const struct pair *far;
+    double norms, epsilon;
+
+    if (b->kind[0] == b->kind[1]) {
+        return larger(0.0, brdffit_pair_corner(b, 2)->mu);
+    }
+    far = brdffit_pair_corner(b, 3);
+    norms = low0->root * low1->root;
+    if (!(norms > 0.0)) {
+        return 0.0;
+    }
+    /* far->mu has the allowance for its sum; the nodes have that of their norms. */
+    epsilon = 2.0 * larger(larger(low0->epsilon, low1->epsilon), larger(high0->epsilon, high1->epsilon));
+    return larger(0.0, far->mu * (high0->root * high1->root / norms) * (1.0 - TOL_CURVATURE) - epsilon);
+}
+
+double brdffit_pair_shift(const struct sides *b, int which, double least)
+{
+    const struct interval *side = b->side[which];
+    const struct pair *corner;
+    double square, square_low, square_high;
 
     if (!(side->eighth > 0.0)) {
         return 0.0;
     }
-    far = brdffit_moments_pair(t->moments, first->low_index, second->high_index);
-    mu_inf = larger(0.0, far->mu);
-    if (!t->moments->kind->exponential) {
-        return side->eighth * brdffit_general_pair(t->moments, first, second, which, mu_inf);
+    if (b->kind[0] != b->kind[1] || !b->moments->kind[b->kind[0]].kind->exponential) {
+        return side->eighth * brdffit_family_pair(b, which, least);
     }
-    corner = brdffit_moments_pair(t->moments, first->low_index, second->low_index);
+    corner = brdffit_pair_corner(b, 0);
     square_low = corner->mean - side->low->mean;
     square_high = corner->mean - side->high->mean;
     square = corner->value * (corner->variance + larger(square_low * square_low, square_high * square_high));
-    square = UP * smaller(square / (first->high->root * second->high->root), side->root_m4);
-    return side->eighth * (square - DOWN * (side->curvature * mu_inf));
+    square = UP * smaller(square / (b->side[0]->high->root * b->side[1]->high->root), side->root_m4);
+    return side->eighth * (square - DOWN * (side->curvature * least));
 }

@@ -1,6 +1,5 @@
 /*
- * Curvature for general families: see interval_family.h and the formula in interval.c.
- * SPDX-License-Identifier: MIT
+ * Curvature sample by sample: see interval_family.h and the formula in interval.c. SPDX-License-Identifier: MIT
  *
  * For one c, x = -ell(u, c) falls with u, and the mean of x falls with u too (H is log-convex), so
  * (x - mean)^2 over the interval is at most its largest value at the four combinations of ends, and at least
@@ -8,84 +7,58 @@
  */
 #include "bound/moment/interval_family.h"
 
-#include <math.h>
-
 #include "base/tolerance.h"
 
 #define UP (1.0 + TOL_CURVATURE)
 #define DOWN (1.0 - TOL_CURVATURE)
 
-/* Ranges over an interval of (x - mean)^2 and slope at one c. */
-struct local {
-    double square_low, square_high, slope_low, slope_high;
-};
-
-static struct local local_ranges(const struct lobe_kind *kind, double c, const struct interval *v)
+/* Scratch of the moments: two shapes, then x and slope of the two ends. */
+static struct local local_of(struct moments *m, int kind, const struct interval *v)
 {
-    double ell_l, ell_u, down, up;
-    struct local r;
+    size_t stride = m->data->stride;
+    struct local at;
 
-    kind->slope(c, v->low->u, &ell_l, &r.slope_high);
-    kind->slope(c, v->high->u, &ell_u, &r.slope_low);
-    down = -ell_u - v->low->mean;  /* smallest x - mean */
-    up = -ell_l - v->high->mean;   /* largest */
-    r.square_high = fmax(down * down, up * up);
-    r.square_low = down > 0.0 ? down * down : up < 0.0 ? up * up : 0.0;
-    return r;
+    at.x_low = brdffit_moments_slopes(m, kind, v->low, m->scratch + 2 * stride, &at.slope_low);
+    at.x_high = brdffit_moments_slopes(m, kind, v->high, m->scratch + 4 * stride, &at.slope_high);
+    at.mean_low = v->low->mean;
+    at.mean_high = v->high->mean;
+    return at;
 }
 
-void brdffit_general_curvature(struct moments *m, const struct interval *v, double *low, double *high)
+void brdffit_family_curvature(struct moments *m, int kind, const struct interval *v, double *low, double *high)
 {
-    const struct reduced *data = m->data;
-    const double *phi_l = brdffit_moments_shape(m, v->low, m->scratch);
-    const double *phi_u = brdffit_moments_shape(m, v->high, m->scratch + data->stride);
-    double below = 0.0, above = 0.0;
-    size_t j;
+    const double *phi_l = brdffit_moments_shape(m, kind, v->low, m->scratch);
+    const double *phi_u = brdffit_moments_shape(m, kind, v->high, m->scratch + m->data->stride);
+    const struct local at = local_of(m, kind, v);
+    double sum[2];
 
-    for (j = 0; j < data->distinct; j++) {
-        struct local r = local_ranges(m->kind, data->c[j], v);
-
-        below += data->bb[j] * (phi_u[j] * phi_u[j]) * (r.slope_low + 2.0 * r.square_low);
-        above += data->bb[j] * (phi_l[j] * phi_l[j]) * (r.slope_high + 2.0 * r.square_high);
-    }
-    *low = DOWN * below / v->low->h;
-    *high = UP * above / v->high->h;
+    m->kernels->curvature(m->kind[kind].table->bb, phi_l, phi_u, &at, m->data->stride, sum);
+    *low = DOWN * sum[0] / v->low->h;
+    *high = UP * sum[1] / v->high->h;
 }
 
-void brdffit_general_functional(struct moments *m, const struct interval *v, size_t f, double curvature_low,
-                                double curvature_high, double *low, double *high)
+void brdffit_family_functional(struct moments *m, int kind, const struct interval *v, size_t f, double curvature_low,
+                               double curvature_high, double *low, double *high)
 {
-    const struct reduced *data = m->data;
-    const double *phi_l = brdffit_moments_shape(m, v->low, m->scratch);
-    const double *phi_u = brdffit_moments_shape(m, v->high, m->scratch + data->stride);
-    const double *w = data->linear + f * data->stride;
-    double below = 0.0, above = 0.0;
-    size_t j;
+    const double *phi_l = brdffit_moments_shape(m, kind, v->low, m->scratch);
+    const double *phi_u = brdffit_moments_shape(m, kind, v->high, m->scratch + m->data->stride);
+    const double *w = m->kind[kind].table->linear + f * m->data->stride;
+    const struct local at = local_of(m, kind, v);
+    double sum[2];
 
-    for (j = 0; j < data->distinct; j++) {
-        struct local r = local_ranges(m->kind, data->c[j], v);
-
-        below += w[j] * phi_u[j] * (r.square_low + r.slope_low);
-        above += w[j] * phi_l[j] * (r.square_high + r.slope_high);
-    }
-    *high = UP * above / v->high->root - DOWN * curvature_low * (v->high->functional[f].f0 / v->low->root);
-    *low = DOWN * below / v->low->root - UP * curvature_high * (v->low->functional[f].f0 / v->high->root);
+    m->kernels->functional_curvature(w, phi_l, phi_u, &at, m->data->stride, sum);
+    *high = UP * sum[1] / v->high->root - DOWN * curvature_low * (v->high->functional[f].f0 / v->low->root);
+    *low = DOWN * sum[0] / v->low->root - UP * curvature_high * (v->low->functional[f].f0 / v->high->root);
 }
 
-double brdffit_general_pair(struct moments *m, const struct interval *first, const struct interval *second, int which,
-                            double mu_inf)
+double brdffit_family_pair(const struct sides *b, int which, double least)
 {
-    const struct reduced *data = m->data;
-    const struct interval *side = which ? second : first;
-    const double *phi = brdffit_moments_shape(m, first->low, m->scratch);
-    const double *psi = brdffit_moments_shape(m, second->low, m->scratch + data->stride);
-    double above = 0.0;
-    size_t j;
+    struct moments *m = b->moments;
+    const double *phi = brdffit_moments_shape(m, b->kind[0], b->side[0]->low, m->scratch);
+    const double *psi = brdffit_moments_shape(m, b->kind[1], b->side[1]->low, m->scratch + m->data->stride);
+    const double *w = reduced_cross(m->data, m->kind[b->kind[0]].geometry, m->kind[b->kind[1]].geometry);
+    const struct local at = local_of(m, b->kind[which], b->side[which]);
+    double above = m->kernels->pair_curvature(w, phi, psi, &at, m->data->stride);
 
-    for (j = 0; j < data->distinct; j++) {
-        struct local r = local_ranges(m->kind, data->c[j], side);
-
-        above += data->bb[j] * (phi[j] * psi[j]) * (r.square_high + r.slope_high);
-    }
-    return UP * above / (first->high->root * second->high->root) - DOWN * (side->curvature * mu_inf);
+    return UP * above / (b->side[0]->high->root * b->side[1]->high->root) - DOWN * (b->side[which]->curvature * least);
 }

@@ -34,13 +34,17 @@ static size_t coefficients(size_t channels, int lobes)
     return channels * (size_t)(1 + lobes);
 }
 
-void brdffit_bound_socp_layout(struct bound_socp *e, struct arena *arena, size_t count, size_t channels, int lobes)
+void brdffit_bound_socp_layout(struct bound_socp *e, struct arena *arena, size_t count, size_t channels,
+                               const struct model *model)
 {
+    int lobes = model->lobes;
     size_t n = 1 + coefficients(channels, lobes), rows = 2 * n, entries = 1 + (n - 1) * (size_t)(3 + lobes), i;
 
     for (i = 0; i < 3; i++) {
         e->shape[i] = ARENA_DOUBLES(arena, PADDED(count));
     }
+    e->ell = ARENA_DOUBLES(arena, PADDED(count));
+    e->slope = ARENA_DOUBLES(arena, PADDED(count));
     e->column = brdffit_arena_take(arena, n + 1, sizeof *e->column);
     e->row = brdffit_arena_take(arena, entries, sizeof *e->row);
     e->g = ARENA_DOUBLES(arena, entries);
@@ -58,7 +62,8 @@ void brdffit_bound_socp_layout(struct bound_socp *e, struct arena *arena, size_t
  */
 static void make_pattern(struct bound_socp *e)
 {
-    size_t group = (size_t)(1 + e->varpro->lobes), n = 1 + coefficients(e->varpro->data->channels, e->varpro->lobes);
+    size_t group = (size_t)(1 + e->varpro->model->lobes),
+           n = 1 + coefficients(e->varpro->data->channels, e->varpro->model->lobes);
     size_t entry = 0, j, i;
 
     e->column[0] = 0;
@@ -112,43 +117,51 @@ struct deviation {
     double rounding; /* of any column of the box by its exponents, in the same units */
 };
 
-/* Largest |d phi / d ln u| = |ell| u phi of u in [low, high], of a phi that is at_low at low: x exp(-x) < 1 and
- * 2 x / (1 + x)^3 < 1 besides. It turns relative errors of c' u into errors of phi. */
-static double steepness(const struct lobe_kind *kind, double c, double low, double high, double at_low)
-{
-    double ell, slope;
-
-    kind->slope(c, low, &ell, &slope);
-    return fmin(1.0, -ell * high * at_low);
-}
-
-static struct deviation deviation(const struct bound_socp *e, double low, double centre, double high)
+/* Shapes of lobe p at the ends and the centre; u at both ends into `ends`. */
+static void fill_shapes(const struct bound_socp *e, int p, const double theta[3], double ends[2])
 {
     const struct varpro *v = e->varpro;
-    const struct reduced *data = v->data;
-    double *at_low = e->shape[0], *at_centre = e->shape[1], *at_high = e->shape[2];
-    double sum = 0.0, norm2 = 0.0, least2 = 0.0, slope2 = 0.0, u_low, u[3];
+    const struct lobe_kind *kind = model_kind(v->model, p);
+    const struct table *table = varpro_table(v, p);
+    double u[3];
+    int i;
+
+    for (i = 0; i < 3; i++) {
+        kind->variable(table->c_min, theta[i], u);
+        kind->shape(v->kernels, table->c, v->data->stride, u[0], e->shape[i]);
+        if (i != 1) {
+            ends[i / 2] = u[0];
+        }
+    }
+    if (!kind->exponential) {
+        kind->slopes(v->kernels, table->c, v->data->stride, ends[0], e->ell, e->slope);
+    }
+}
+
+static struct deviation deviation(const struct bound_socp *e, int p, double low, double centre, double high)
+{
+    const double theta[3] = {low, centre, high};
+    const struct table *table = varpro_table(e->varpro, p);
+    const double *at_low = e->shape[0], *at_centre = e->shape[1], *at_high = e->shape[2];
+    const double *x = model_kind(e->varpro->model, p)->exponential ? table->c : e->ell;
+    double sum = 0.0, norm2 = 0.0, least2 = 0.0, slope2 = 0.0, u[2];
     struct deviation d;
     size_t j;
 
-    v->kind->variable(data->c_min, low, u);
-    v->kind->shape(v->kernels, data->c, data->stride, u[0], at_low);
-    u_low = u[0];
-    v->kind->variable(data->c_min, centre, u);
-    v->kind->shape(v->kernels, data->c, data->stride, u[0], at_centre);
-    v->kind->variable(data->c_min, high, u);
-    v->kind->shape(v->kernels, data->c, data->stride, u[0], at_high);
-    for (j = 0; j < data->distinct; j++) {
+    fill_shapes(e, p, theta, u);
+    for (j = 0; j < e->varpro->data->distinct; j++) {
         double most = fmax(at_low[j] - at_centre[j], at_centre[j] - at_high[j]);
-        double steep = steepness(v->kind, data->c[j], u_low, u[0], at_low[j]);
+        /* Largest |d phi / d ln u| = |ell| u phi of the box: x exp(-x) < 1, and 2 x / (1 + x)^3 < 1 besides. It turns
+         * relative errors of c' u into errors of phi. */
+        double steep = fmin(1.0, x[j] * u[1] * at_low[j]);
 
-        slope2 += data->bb[j] * (steep * steep);
-        sum += data->bb[j] * (most * most);
-        norm2 += data->bb[j] * (at_centre[j] * at_centre[j]);
-        least2 += data->bb[j] * (at_high[j] * at_high[j]);
+        slope2 += table->bb[j] * (steep * steep);
+        sum += table->bb[j] * (most * most);
+        norm2 += table->bb[j] * (at_centre[j] * at_centre[j]);
+        least2 += table->bb[j] * (at_high[j] * at_high[j]);
     }
     d.size = norm2 > 0.0 ? (1.0 + TOL_CURVATURE) * sqrt(sum / norm2) : 0.0;
-    d.rounding = norm2 > 0.0 ? (8.0 * TOL_UNIT + 2.0 * data->snapped) * sqrt(slope2 / norm2) : 0.0;
+    d.rounding = norm2 > 0.0 ? (8.0 * TOL_UNIT + 2.0 * table->snapped) * sqrt(slope2 / norm2) : 0.0;
     d.ratio = least2 > 0.0 ? (1.0 + TOL_CURVATURE) * sqrt(norm2 / least2) : 1.0;
     return d;
 }
@@ -156,7 +169,7 @@ static struct deviation deviation(const struct bound_socp *e, double low, double
 /* A box at its centre: the exact restricted problem, and what can be said without a cone program. */
 struct view {
     struct point centre;
-    struct deviation lobe[2];
+    struct deviation lobe[BRDFFIT_MAX_LOBES];
     double root;     /* root of the objective at the centre */
     double paid;     /* sum_p e_p sum_k z_kp at its optimum: feasible slack of Problem 5 */
     double at_most;  /* the same at the limits of z: no optimum of the box can gain more */
@@ -172,12 +185,13 @@ static void open_view(struct bound_socp *e, const struct box *box, struct view *
     int p;
 
     view->paid = view->at_most = view->rounding = 0.0;
-    for (p = 0; p < v->lobes; p++) {
-        const struct axis_interval *i = &e->axis->interval[box->interval[p]];
-        double low = e->axis->coordinate[i->low], high = e->axis->coordinate[i->high];
+    for (p = 0; p < v->model->lobes; p++) {
+        const struct axis *axis = &e->axis[v->model->lobe[p].kind];
+        const struct axis_interval *i = &axis->interval[box->interval[p]];
+        double low = axis->coordinate[i->low], high = axis->coordinate[i->high];
 
         view->centre.theta[p] = 0.5 * (low + high);
-        view->lobe[p] = deviation(e, low, view->centre.theta[p], high);
+        view->lobe[p] = deviation(e, p, low, view->centre.theta[p], high);
     }
     brdffit_varpro_evaluate(v, &view->centre, 0, &value);
     e->evaluated++;
@@ -186,7 +200,7 @@ static void open_view(struct bound_socp *e, const struct box *box, struct view *
         double norm = sqrt(v->data->ii[k]);
 
         limits += norm;
-        for (p = 0; p < v->lobes; p++) {
+        for (p = 0; p < v->model->lobes; p++) {
             view->rounding += norm * view->lobe[p].ratio * view->lobe[p].rounding;
             view->paid += view->lobe[p].size * v->answer[k].unit[1 + p] * v->answer[k].data_scale;
             view->at_most += view->lobe[p].size * norm * view->lobe[p].ratio;
@@ -203,7 +217,7 @@ static double project(struct bound_socp *e, size_t k, double *left)
     const struct varpro *v = e->varpro;
     const struct nnls_answer *answer = &v->answer[k];
     const double *value = v->data->row_value + k * v->data->used;
-    int group = 1 + v->lobes, i, j;
+    int group = 1 + v->model->lobes, i, j;
     size_t r;
 
     for (r = 0; r < v->data->rows; r++) {
@@ -232,7 +246,7 @@ static void fill_program(struct bound_socp *e, const struct view *view)
 {
     const struct varpro *v = e->varpro;
     const struct reduced *data = v->data;
-    size_t group = (size_t)(1 + v->lobes), n = e->program.variables, entry = 0, i, j, k;
+    size_t group = (size_t)(1 + v->model->lobes), n = e->program.variables, entry = 0, i, j, k;
     double outside = 0.0, reach = sqrt(data->total);
 
     e->g[entry++] = -1.0;
@@ -305,10 +319,14 @@ double brdffit_bound_socp(struct bound_socp *e, struct box *box, struct point *m
 {
     double target = box->bound, root;
     struct view view;
+    int p;
 
     open_view(e, box, &view);
     *met = view.centre;
-    box->split = e->varpro->lobes > 1 && view.lobe[1].size > view.lobe[0].size;
+    box->split = 0;
+    for (p = 1; p < e->varpro->model->lobes; p++) {
+        box->split = view.lobe[p].size > view.lobe[box->split].size ? (uint32_t)p : box->split;
+    }
     root = fmax(0.0, view.root - view.at_most - view.rounding);
     if (e->cheap && (squared(root) >= target || view.root - view.paid <= sqrt(target))) {
         e->decided++; /* proven by the triangle inequality, or no program could prove it */

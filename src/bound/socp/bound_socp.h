@@ -10,7 +10,7 @@
 #include "solve/varpro.h"
 
 struct bound_socp {
-    const struct axis *axis;
+    const struct axis *axis;    /* one a kind */
     struct varpro *varpro;
     struct socp *solver;        /* one for the shape; made by start, freed by finish */
     int cheap;                  /* decide by the closed form where it can */
@@ -19,12 +19,13 @@ struct bound_socp {
     double *g, *c, *h;          /* its numbers */
     double *x, *z, *lower, *upper;
     double *shape[3];           /* stride each: lobe shapes at the ends and the centre of a box */
+    double *ell, *slope;        /* stride each: -ell and slope at the low end of lobes that are not exponential */
     size_t evaluated;           /* restricted problems solved, one a box */
     size_t solved, refused, decided; /* programs solved; without certificate; boxes that needed none */
 };
 
 void brdffit_bound_socp_layout(struct bound_socp *engine, struct arena *arena, size_t count, size_t channels,
-                               int lobes);
+                               const struct model *model);
 
 /* Allocates (ECOS does). */
 brdffit_status brdffit_bound_socp_start(struct bound_socp *engine, struct varpro *varpro, const struct axis *axis,

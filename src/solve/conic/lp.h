@@ -14,10 +14,11 @@
 
 #include "base/arena.h"
 #include "brdffit.h"
+#include "model/model.h"
 #include "solve/conic/certificate.h"
 #include "solve/conic/socp.h"
 
-#define LP_COLUMNS 5
+#define LP_COLUMNS (COLUMNS_FIXED + 2 * BRDFFIT_MAX_LOBES)
 
 struct lp {
     brdffit_norm norm;

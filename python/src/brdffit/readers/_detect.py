@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import os
 
-from ..samples import Path
+from .._arguments import Path
 from ._tensor import MAGIC
 
 _BY_NAME = {".lp": "lp", ".bsdf": "rgl", ".h5": "hdf5", ".hdf5": "hdf5", ".he5": "hdf5", ".exr": "exr", ".zarr": "zarr"}

@@ -7,16 +7,17 @@ one after another. Either way the memory is that of the part that was asked for 
 from __future__ import annotations
 
 import os
-from typing import Any, NamedTuple, Sequence
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from .._arguments import Path
 from ..errors import BrdffitError, DataError, FileError, OptionError, OutOfMemoryError, UnsupportedError
-from ..samples import Path
 from ._extra import need
+from .lazy import LazyArray, Part
 from .lp import load_lp
-from .stack import LazyArray, Part, Stack
 
 _TYPES = {"HALF": "f2", "FLOAT": "f4", "UINT": "u4"}
 
@@ -123,8 +124,8 @@ def choose_channels(header: Header, asked: Sequence[str] | None, file: str) -> t
 
 
 def exr_stack(path: str, images: Sequence[Path] | None, light: npt.ArrayLike | None, view: npt.ArrayLike | None,
-              channels: Sequence[str] | None, quantity: str) -> Stack:
-    """The images that an .lp file names."""
+              channels: Sequence[str] | None, quantity: str) -> dict[str, Any]:
+    """The members of a `Stack` of the images that an .lp file names."""
     lights = load_lp(path)
     files = lights.paths() if images is None else [os.fspath(image) for image in images]
     if len(files) != len(lights):
@@ -137,9 +138,10 @@ def exr_stack(path: str, images: Sequence[Path] | None, light: npt.ArrayLike | N
             raise DataError("the image has %s; %s has %s" % (_words(header), files[0], _words(first)), code="format", path=file)
         choose_channels(header, chosen, file)
     colours = {"R": "r", "G": "g", "B": "b"}
-    return Stack(ExrArray(files, first, chosen), lights.directions if light is None else np.asarray(light),
-                 np.asarray((0.0, 0.0, 1.0) if view is None else view), tuple(colours.get(name, name) for name in chosen),
-                 quantity, names=tuple(os.path.basename(file) for file in files), file=path, format="exr")
+    return {"values": ExrArray(files, first, chosen), "light": lights.directions if light is None else np.asarray(light),
+            "view": np.asarray((0.0, 0.0, 1.0) if view is None else view),
+            "channels": tuple(colours.get(name, name) for name in chosen), "quantity": quantity,
+            "names": tuple(os.path.basename(file) for file in files), "file": path, "format": "exr"}
 
 
 def _words(header: Header) -> str:

@@ -16,13 +16,14 @@ from __future__ import annotations
 import dataclasses
 import os
 import re
-from typing import NamedTuple, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from .._arguments import Path
 from .._arrays import Floats, freeze
 from ..errors import DataError, FileError
-from ..samples import Path
 
 _SHOWN = 60  # characters of a wrong line
 

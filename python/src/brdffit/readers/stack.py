@@ -3,100 +3,29 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 import numpy.typing as npt
 
+from .._arguments import Path, choose, count_of
 from .._arrays import Floats, column, freeze, vectors
-from .._pool import count_of
 from ..errors import BrdffitError, DataError, OptionError
-from ..samples import Path, Samples, choose
+from ..maps import FitMap, fit_map
+from ..maps.arguments import MapOptions
+from ..outofcore.arrays import MapArrays
+from ..samples import Samples
+from ._detect import kind_of
+from .exr import exr_stack
+from .lazy import LazyArray, Names
+from .lp import load_lp
+from .store import Store
 
 if TYPE_CHECKING:
-    from ..maps import FitMap
+    from typing_extensions import Unpack
 
-Part = tuple[slice, slice, slice, slice]
-Names = Mapping[str, Union[str, Sequence[str]]]
-
-
-class LazyArray:
-    """samples x height x width x channels in files. Indexing with numbers, slices (of any step) and `...` reads what is
-    asked for, as float32 or float64; `numpy.asarray` reads all. A base: `_read` knows the format."""
-
-    ndim = 4
-    rows_together = 32  # rows of an image that are stored as one block, or close to it
-
-    def __init__(self, shape: tuple[int, int, int, int], dtype: npt.DTypeLike) -> None:
-        self.shape = shape
-        self.dtype: np.dtype[Any] = np.dtype(dtype)
-
-    def _read(self, part: Part) -> npt.NDArray[Any]:
-        """part: slices with start, stop and step of 1, inside of the shape and not empty."""
-        raise NotImplementedError
-
-    @property
-    def size(self) -> int:
-        return int(np.prod(self.shape))
-
-    @property
-    def nbytes(self) -> int:
-        return self.size * self.dtype.itemsize
-
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __repr__(self) -> str:
-        return "<%s: %s, %s>" % (type(self).__name__, " x ".join(map(str, self.shape)), self.dtype)
-
-    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
-        if copy is False:
-            raise ValueError("the values are in files: an array of them is a copy")
-        array = self[...]
-        return array if dtype is None else array.astype(dtype)
-
-    def __getitem__(self, key: Any) -> npt.NDArray[Any]:
-        part: list[slice] = []
-        after: list[slice | int] = []
-        for index, extent in zip(self._complete(key), self.shape):
-            if isinstance(index, slice):
-                chosen = range(*index.indices(extent))
-                low, high = (min(chosen[0], chosen[-1]), max(chosen[0], chosen[-1])) if chosen else (0, -1)
-                part.append(slice(low, high + 1, 1))
-                after.append(slice(None, None, chosen.step))
-            else:
-                at = index + extent if index < 0 else index
-                if not 0 <= at < extent:
-                    raise IndexError("index %d is out of bounds for %d" % (index, extent))
-                part.append(slice(at, at + 1, 1))
-                after.append(0)
-        shape = tuple(one.stop - one.start for one in part)
-        if 0 in shape:
-            return np.empty(shape, self.dtype)[tuple(after)]
-        return self._read((part[0], part[1], part[2], part[3]))[tuple(after)]
-
-    def _complete(self, key: Any) -> list[Any]:
-        """One index a dimension, integers or slices."""
-        given = list(key) if isinstance(key, tuple) else [key]
-        dots = [at for at, index in enumerate(given) if index is Ellipsis]
-        if len(dots) > 1:
-            raise IndexError("only one ... may stand in an index")
-        if not dots:
-            given.append(Ellipsis)
-        at = dots[0] if dots else len(given) - 1
-        if len(given) - 1 > self.ndim:
-            raise IndexError("%d indices for %d dimensions" % (len(given) - 1, self.ndim))
-        given[at:at + 1] = [slice(None)] * (self.ndim - len(given) + 1)
-        return [index if isinstance(index, slice) else _integer(index) for index in given]
-
-
-def _integer(index: Any) -> int:
-    if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
-        raise IndexError("a stack is indexed with numbers, slices and ..., not %s" % type(index).__name__)
-    return int(index)
-
-
-Values = Union[LazyArray, npt.NDArray[Any]]
+Values = LazyArray | npt.NDArray[Any]
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -160,23 +89,28 @@ class Stack:
         return Samples.from_arrays(self.light, self.view, np.asarray(self.values[:, row, column]), normal=normal,
                                    channels=self.channels, quantity=self.quantity, weights=self.weights)
 
-    def fit_map(self, *, rows: int | None = None, **options: Any) -> FitMap:
+    @overload
+    def fit_map(self, *, rows: int | None = None, output: None = None, **options: Unpack[MapOptions]) -> FitMap: ...
+
+    @overload
+    def fit_map(self, *, rows: int | None = None, output: Any, **options: Unpack[MapOptions]) -> MapArrays: ...
+
+    def fit_map(self, *, rows: int | None = None, **options: Any) -> FitMap | MapArrays:
         """Every texel fitted: `brdffit.fit_map` with this stack's values, directions, weights, normal, mask and quantity. What
         is in files is read a band of `rows` rows at a time, of which two are in memory (None: as many as 128 MB hold). options:
         the others of fit_map, output and client among them."""
-        from ..maps import fit_map
-
         if rows is not None:
             rows = count_of("rows", rows, 1)
             if isinstance(self.values, LazyArray):
                 options["tile"] = (rows, self.values.shape[2])
         options.setdefault("weights", self.weights)
         try:
-            return fit_map(self.values, self.light, self.view, normal=self.normal, mask=self.mask, quantity=self.quantity,
-                           **options)
+            out: FitMap | MapArrays = fit_map(self.values, self.light, self.view, normal=self.normal, mask=self.mask,
+                                              quantity=self.quantity, **options)
         except BrdffitError as error:
             error.path = error.path or self.file
             raise
+        return out
 
 
 def load_stack(path: Path, *, light: npt.ArrayLike | Path | None = None, view: npt.ArrayLike | None = None,
@@ -193,24 +127,16 @@ def load_stack(path: Path, *, light: npt.ArrayLike | Path | None = None, view: n
     names, group: for HDF5 and zarr: see Samples.from_hdf5; data sets besides those are values (samples x height x width
         [x channels]), normal (height x width x 3) and mask (height x width)
     """
-    from ._detect import kind_of
-
     file, kind = os.fspath(path), kind_of(path)
     if light is not None and isinstance(light, (str, os.PathLike)):
-        from .lp import load_lp
-
         light = load_lp(light).directions
     if kind in ("hdf5", "zarr"):
         if images is not None:
             raise OptionError("images= goes with an .lp file", code="option", path=file)
-        from .store import Store
-
-        return Store(file, kind, names, group).stack(light, view, channels, quantity)
+        return Stack(**Store(file, kind, names, group).stack(light, view, channels, quantity))
     if names is not None or group is not None:
         raise OptionError("names= and group= go with HDF5 and zarr", code="option", path=file)
     if kind == "exr":
         raise OptionError("this is one image: give the .lp file that names the images and their lights", code="option",
                           path=file)
-    from .exr import exr_stack
-
-    return exr_stack(file, images, light, view, channels, quantity or "radiance")
+    return Stack(**exr_stack(file, images, light, view, channels, quantity or "radiance"))

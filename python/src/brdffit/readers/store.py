@@ -19,16 +19,17 @@ from __future__ import annotations
 
 import contextlib
 import os
-from typing import Any, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from .._arguments import Path
 from .._arrays import Floats
 from ..errors import BrdffitError, DataError, FileError, OptionError
-from ..samples import Samples
 from ._extra import need
-from .stack import LazyArray, Names, Part, Stack
+from .lazy import LazyArray, Names, Part
 
 NAMES = ("values", "light", "view", "theta_i", "phi_i", "theta_o", "phi_o", "normal", "weights", "mask", "cos_light", "cos_view",
          "tan2_half", "cos_difference", "a", "b", "c")
@@ -141,7 +142,7 @@ class Store:
 
     def _listing(self) -> str:
         with self._reading("the list of data sets"):
-            return ", ".join(sorted(str(name) for name in self._group.keys())) or "none"
+            return ", ".join(sorted(str(name) for name in self._group)) or "none"
 
     def _array(self, name: str, *shapes: tuple[int, ...]) -> Floats:
         """All of a small data set."""
@@ -220,7 +221,8 @@ class Store:
 
     # ---- Results
 
-    def samples(self, quantity: str | None) -> Samples:
+    def samples(self, quantity: str | None) -> dict[str, Any]:
+        """The members of `Samples`."""
         called, found = self._values()
         dimensions = len(found[0].shape)
         if dimensions not in (1, 2) or (len(found) > 1 and dimensions != 1):
@@ -247,10 +249,10 @@ class Store:
         there = ~np.isnan(values).any(1)
         if not there.any():
             raise DataError("every sample has a channel that is absent (NaN)", code="no_samples", path=self.file)
-        return Samples(values=values[there], channels=self._channels(called, found[0], values.shape[1]), form=form,
-                       quantity=self._quantity(quantity, found[0], "radiance" if form == "coefficients" else "brdf"),
-                       file=self.file, format=self.kind, dropped={"absent": int((~there).sum())},
-                       **{name: array[there] for name, array in data.items()})
+        return {"values": values[there], "channels": self._channels(called, found[0], values.shape[1]), "form": form,
+                "quantity": self._quantity(quantity, found[0], "radiance" if form == "coefficients" else "brdf"),
+                "file": self.file, "format": self.kind, "dropped": {"absent": int((~there).sum())},
+                **{name: array[there] for name, array in data.items()}}
 
     def _mask(self, pixels: tuple[int, int]) -> npt.NDArray[np.bool_] | None:
         if not self._has("mask"):
@@ -259,7 +261,8 @@ class Store:
         return np.asarray((mask > 0) | (mask < 0))  # not where it is NaN
 
     def stack(self, light: npt.ArrayLike | None, view: npt.ArrayLike | None, channels: Sequence[str] | None,
-              quantity: str | None) -> Stack:
+              quantity: str | None) -> dict[str, Any]:
+        """The members of a `Stack`."""
         called, found = self._values()
         shape = tuple(found[0].shape)
         if len(shape) not in (3, 4) or (len(found) > 1 and len(shape) != 3):
@@ -279,12 +282,18 @@ class Store:
                 self._called("light")[0], self._called("theta_i")[0], self._listing()))
         from_where = self._directions(shape[0], "view", "o") if view is None else np.asarray(view)
         pixels = (shape[1], shape[2])
-        return Stack(StoreArray(self.file, self.kind, self.group, called, chosen, found), towards,
-                     np.array([0.0, 0.0, 1.0]) if from_where is None else from_where, tuple(names[k] for k in chosen),
-                     self._quantity(quantity, found[0], "radiance"),
-                     normal=self._array("normal", (*pixels, 3)) if self._has("normal") else None,
-                     mask=self._mask(pixels), file=self.file, format=self.kind,
-                     weights=self._array("weights", (shape[0],)) if self._has("weights") else None)
+        return {"values": StoreArray(self.file, self.kind, self.group, called, chosen, found), "light": towards,
+                "view": np.array([0.0, 0.0, 1.0]) if from_where is None else from_where,
+                "channels": tuple(names[k] for k in chosen), "quantity": self._quantity(quantity, found[0], "radiance"),
+                "normal": self._array("normal", (*pixels, 3)) if self._has("normal") else None,
+                "mask": self._mask(pixels), "file": self.file, "format": self.kind,
+                "weights": self._array("weights", (shape[0],)) if self._has("weights") else None}
+
+
+def read(path: Path, kind: str, *, names: Names | None = None, group: str | None = None,
+         quantity: str | None = None) -> dict[str, Any]:
+    """The members of `Samples`, of a file or folder."""
+    return Store(os.fspath(path), kind, names, group).samples(quantity)
 
 
 def _text(value: Any) -> str:

@@ -10,18 +10,19 @@ import pathlib
 import re
 import sys
 import tempfile
-from typing import Any, Sequence
+from collections.abc import Sequence
+from typing import Any
 from urllib.parse import quote, unquote
 
 import numpy as np
 
+from .. import _structs as structs
 from .._version import __version__
 from .._words import readable
 from ..errors import BrdffitError, FileError
 from ..options import BY_EXPONENT, Options
 from ..progress import Bar
 from ..samples import Samples
-from .. import _structs as structs
 from ._analysis import Material, measure
 from ._index import Failure, Row, index_page, row
 from ._page import material_page

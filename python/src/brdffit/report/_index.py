@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import dataclasses
 import html
-from typing import Sequence
+from collections.abc import Sequence
 
 from .. import _words
 from ._analysis import Material

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import html
-from typing import Iterable
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from . import _proof as proof
 from . import _spheres as spheres
 from ._analysis import Material
 from ._style import CSS
+
 
 def document(title: str, body: str) -> str:
     return ("<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'><meta name='viewport' content='width=device-width, "
@@ -84,8 +85,9 @@ def _proof(material: Material) -> str:
     if extra is not None:
         parts.append(_paragraph(extra))
     curve = "<span class='key exact'>smallest %s with a lobe of that roughness, by plain least squares</span>" % name
-    parts.append("<p class='legend'>%s<span class='key bound'>proven: no model is below</span><span class='key near square'>"
-                 "near-optimal, proven</span><span class='key c0'>the fit</span></p>" % (curve if material.main.norm == "l2" else ""))
+    parts.append("<p class='legend'>%s<span class='key bound'>proven: no model is below</span>"
+                 "<span class='key near square'>near-optimal, proven</span>"
+                 "<span class='key c0'>the fit</span></p>" % (curve if material.main.norm == "l2" else ""))
     figures = [proof.profile(material, lobes) for lobes in sorted(material.fits)]
     if 2 in material.boxes:
         figures.append(proof.box_map(material))

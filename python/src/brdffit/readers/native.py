@@ -1,0 +1,80 @@
+"""Files that the C library reads: CSV and MERL. SPDX-License-Identifier: MIT"""
+from __future__ import annotations
+
+import os
+from ctypes import POINTER, byref, pointer
+from typing import Any
+
+import numpy as np
+
+from .. import _structs as structs
+from .._arguments import Path, choose
+from .._arrays import Floats, from_address
+from .._ffi import library
+from ..errors import from_struct
+
+_VECTORS = ("light", "view", "normal")
+_COLUMNS = ("cos_light", "cos_view", "tan2_half", "cos_difference", "a", "b", "c", "weights")
+
+
+class _Table:
+    """Owns a brdffit_table; freed with the last array that looks into it."""
+
+    def __init__(self, table: Any) -> None:
+        self._table = table
+        self._free = library().io.brdffit_io_free
+
+    def __del__(self) -> None:
+        self._free(self._table)
+
+
+def read(path: Path, kind: str | None = None, *, quantity: str | None = None, directions_only: bool = False,
+         samples: str | structs.Samples | None = None, bins: str | None = None) -> dict[str, Any]:
+    """The members of `Samples`. kind: "csv" or "merl"; None: by content.
+
+    directions_only: no channel is needed; samples, bins: as of `Samples.from_merl`, directions as C has them
+    """
+    options = library().io_options()
+    if kind is not None:
+        options.format = structs.FORMAT.index(kind)
+    options.directions_only = int(directions_only)
+    if bins is not None:
+        options.merl_bins = choose("bins", bins, structs.MERL_BINS)
+    if isinstance(samples, structs.Samples):
+        options.merl_sampling = structs.MERL_SAMPLING.index("directions")
+        options.directions = pointer(samples)
+    elif samples is not None:
+        options.merl_sampling = choose("samples", samples, structs.MERL_SAMPLING[:2])
+    if quantity is not None:
+        options.quantity_set = 1
+        options.quantity = choose("quantity", quantity, structs.QUANTITY)
+    name = os.fspath(path)
+    table = POINTER(structs.Table)()
+    error = structs.Error()
+    if library().io.brdffit_io_read(os.fsencode(name), byref(options), byref(table), byref(error)) != 0:
+        raise from_struct(error, path=name)
+    return _members(table.contents, _Table(table), name)
+
+
+def _members(table: structs.Table, owner: _Table, name: str) -> dict[str, Any]:
+    data = table.samples
+    count, channels = data.count, data.channels
+    merl = structs.FORMAT[table.format] == "merl"
+    return {
+        "values": from_address(data.values, (count, channels), owner) if channels else np.zeros((count, 0)),
+        "channels": tuple(table.channel_names[k].decode("utf-8", "replace") for k in range(channels)),
+        "form": structs.FORM[data.form], "quantity": structs.QUANTITY[data.quantity], "file": name,
+        "format": structs.FORMAT[table.format],
+        "lines": np.ctypeslib.as_array(table.lines, (count,)).astype(np.uintp) if table.lines else None,
+        "merl_bins": structs.MERL_BINS[table.merl_bins] if merl else None,
+        "merl_samples": structs.MERL_SAMPLING[table.merl_sampling] if merl else None,
+        "dropped": {reason: int(table.dropped[i]) for i, reason in enumerate(structs.DROP)},
+        **{key: from_address(getattr(data, key), (count,), owner) for key in _COLUMNS},
+        **{key: from_address(getattr(data, key), (count, 3), owner) for key in _VECTORS}}
+
+
+def protocol84() -> tuple[Floats, Floats]:
+    """The paper's 84 light and view directions."""
+    light, view = np.empty((84, 3)), np.empty((84, 3))
+    library().io.brdffit_io_protocol84(light.ctypes.data, view.ctypes.data)
+    return light, view

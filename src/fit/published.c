@@ -1,0 +1,284 @@
+/*
+ * The published model: see published.h. SPDX-License-Identifier: MIT
+ *
+ * The search knows a lobe by theta = ln s and by coefficients of unit columns. What a caller gets is sigma, x and y in
+ * doubles. The objective of a result is that of these numbers: residuals of the rows at s = 1 / sigma^2 and at x and y
+ * brought back to internal units, so that whoever evaluates the model finds the same.
+ *
+ * y = z / (|g| lambda(s) phi(s, c_min)) is formed with an exponent of its own (wide.h): phi(s, c_min) may be far below
+ * the smallest double where y is an ordinary number. A y that no double holds with all its digits is published as what
+ * is left of it, and the objective says what that costs.
+ *
+ * Error. A row's residual I - a x - sum y g is off by at most
+ *
+ *     d = u [TOL_PUBLISHED (|I| + a x + sum y |g|) + TOL_PUBLISHED_EXPONENT sum (c' s) y |g|] + snapped sum (c' s) y |g|
+ *
+ * and by what triangles did to it, so that a channel's |r| is off by at most |d| in the same norm (Minkowski), and
+ * E^2 = sum |r|^2 by at most sum 2 |r| |d| + |d|^2. Sums of norms l1 and linf are compensated, their own rounding is within
+ * TOL_PUBLISHED; of l2, d is taken by norms.
+ */
+#include "fit/published.h"
+
+#include <math.h>
+
+#include "base/tolerance.h"
+#include "base/vector.h"
+#include "data/reduce_parts.h"
+#include "data/sums.h"
+
+/* Each lobe's s, and what y is divided by in internal units. */
+struct scales {
+    struct twofold s[BRDFFIT_MAX_LOBES];
+    struct wide factor[BRDFFIT_MAX_LOBES];
+    double norm[BRDFFIT_MAX_LOBES], error[BRDFFIT_MAX_LOBES]; /* of columns, norm l2 only */
+};
+
+static void open_scales(const struct fit *f, const double *sigma, struct scales *v)
+{
+    int p;
+
+    for (p = 0; p < f->model.lobes; p++) {
+        const struct table *t = varpro_table(&f->varpro, p);
+
+        v->s[p] = twofold_inverse_square(sigma[p]);
+        v->factor[p] = brdffit_lobe_factor(model_kind(&f->model, p), v->s[p], t->c_min);
+        v->factor[p] = wide_times(v->factor[p], wide_of(t->scale_b));
+    }
+}
+
+/* What values of channel k are divided by. */
+static struct wide unit_of(const struct fit *f, size_t k)
+{
+    return wide_times(wide_of(f->data.channel_scale[k]), wide_of(f->data.value_scale));
+}
+
+/* The coefficient of column j of the vector form, divided by `factor`, in the data's units. */
+static double in_data_units(const struct fit *f, const struct nnls_answer *answer, size_t k, int j, struct wide factor)
+{
+    const struct nnls *nnls = &f->varpro.nnls;
+    struct wide z;
+
+    if (!(answer->unit[j] > 0.0) || !(factor.value > 0.0)) {
+        return 0.0;
+    }
+    z = wide_times(wide_times(wide_of(answer->unit[j]), wide_of(answer->data_scale)), unit_of(f, k));
+    return wide_value(wide_over(wide_over(wide_over(z, wide_of(nnls->norm[j])), wide_of(nnls->scale[j])), factor));
+}
+
+/* And back. */
+static double in_internal_units(const struct fit *f, double coefficient, size_t k, struct wide factor)
+{
+    return wide_value(wide_over(wide_times(wide_of(coefficient), factor), unit_of(f, k)));
+}
+
+static void coefficients(struct fit *f, const struct scales *v)
+{
+    size_t k, lobes = (size_t)f->model.lobes, p;
+
+    for (k = 0; k < f->data.channels; k++) {
+        f->x[k] = in_data_units(f, &f->varpro.answer[k], k, 0, wide_of(f->data.scale_a));
+        for (p = 0; p < lobes; p++) {
+            f->y[k * lobes + p] = in_data_units(f, &f->varpro.answer[k], k, f->model.lobe[p].column, v->factor[p]);
+        }
+    }
+}
+
+/* Sums over the rows of one channel, of data divided by its data_scale. */
+struct channel_sums {
+    struct sums_pair objective, error, squares;
+    double largest, largest_error;
+};
+
+static void add_row(const struct fit *f, size_t r, double residual, double rounding, struct channel_sums *sums)
+{
+    sums_add(&sums->objective, fabs(residual));
+    sums_add(&sums->error, rounding);
+    sums_add(&sums->squares, residual * f->data.row_square[r] * residual);
+    sums->largest = fmax(sums->largest, fabs(residual));
+    sums->largest_error = fmax(sums->largest_error, rounding);
+}
+
+/* How far the shape of lobe p at a row may be off, but for TOL_PUBLISHED, relative to it. */
+static double shape_error(const struct fit *f, const struct scales *v, int p, size_t r)
+{
+    const struct table *t = varpro_table(&f->varpro, p);
+    double exponent = t->c[f->data.row_c[r]] *
+                      v->s[p].high; /* -d ln phi / d ln s, of which no other kind has more than 2 */
+
+    exponent = model_kind(&f->model, p)->exponential ? fmin(1e30, exponent) : fmin(2.0, 2.0 * exponent);
+    return (TOL_PUBLISHED_EXPONENT * TOL_UNIT + t->snapped) * exponent;
+}
+
+/* Residuals of channel k at internal coefficients x and y, in units of `scale`: norms l1 and linf. */
+static struct channel_sums residuals(const struct fit *f, const struct scales *v, size_t k, double x, const double *y,
+                                     double scale)
+{
+    const struct reduced *data = &f->data;
+    const double *value = data->row_value + k * data->used;
+    struct channel_sums sums = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, 0.0, 0.0};
+    size_t r;
+    int p;
+
+    for (r = 0; r < data->rows; r++) {
+        double part = data->row_a[r] * x, residual = value[r] - part, size = fabs(value[r]) + fabs(part), steep = 0.0;
+
+        for (p = 0; p < f->model.lobes; p++) {
+            part = y[p] * f->varpro.column[p][r];
+            residual -= part;
+            size += fabs(part);
+            steep += part != 0.0 ? fabs(part) * shape_error(f, v, p, r) : 0.0;
+        }
+        add_row(f, r, residual / scale, (TOL_PUBLISHED * TOL_UNIT * size + steep) / scale, &sums);
+    }
+    return sums;
+}
+
+/*
+ * What sums over the groups say of the column of lobe p: its norm and how far it may be off by its exponents, both l2, and
+ * N_eff = (sum g^2)^2 / sum g^4 over samples.
+ */
+static double measure_column(const struct fit *f, struct scales *v, int p)
+{
+    const struct table *t = varpro_table(&f->varpro, p);
+    int exponential = model_kind(&f->model, p)->exponential;
+    double h = 0.0, off = 0.0, fourth = 0.0, s = v->s[p].high;
+    size_t j;
+
+    for (j = 0; j < f->data.distinct; j++) {
+        double square = t->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]);
+        /* -d ln phi / d ln s, of which no other kind has more than 2 */
+        double exponent = exponential ? smaller(1e30, t->c[j] * s) : smaller(2.0, 2.0 * t->c[j] * s);
+
+        h += square;
+        off += square * (exponent * exponent);
+    }
+    for (j = 0; j < f->data.distinct && h > 0.0; j++) {
+        double share = t->bb[j] * (f->varpro.phi[j] * f->varpro.phi[j]) / h;
+
+        fourth += share * share * t->concentration[j];
+    }
+    v->norm[p] = sqrt(h) * (1.0 + TOL_CURVATURE);
+    v->error[p] = (TOL_PUBLISHED_EXPONENT * TOL_UNIT + t->snapped) * sqrt(off) * (1.0 + TOL_CURVATURE);
+    return fourth > 0.0 ? 1.0 / fourth : 0.0;
+}
+
+/* Columns b phi of each lobe, into varpro's. */
+static void columns(struct fit *f, struct scales *v, struct published *out)
+{
+    size_t r;
+    int p;
+
+    for (p = 0; p < f->model.lobes; p++) {
+        const struct lobe_kind *kind = model_kind(&f->model, p);
+        const struct table *t = varpro_table(&f->varpro, p);
+
+        kind->shape(f->varpro.kernels, t->c, f->data.stride, kind->argument(t->c_min, v->s[p].high), f->varpro.phi);
+        for (r = 0; r < f->data.rows; r++) {
+            f->varpro.column[p][r] = t->row_b[r] * f->varpro.phi[f->data.row_c[r]];
+        }
+        out->effective[p] = measure_column(f, v, p);
+    }
+}
+
+/*
+ * The same of norm l2 in lanes, with the error of a whole channel from norms: |d| <= the sum of the norms of its parts.
+ * Sums of squares in lanes are within (rows / 8 + 16) u.
+ */
+static struct channel_sums residuals_l2(const struct fit *f, const struct scales *v, size_t k, double x,
+                                        const double *y, double scale)
+{
+    const struct varpro *w = &f->varpro;
+    const struct kernels *kernels = w->kernels;
+    size_t n = f->data.rows;
+    double size = sqrt(f->data.ii[k]) + fabs(x) * sqrt(f->data.aa), steep = 0.0, sum, error;
+    struct channel_sums sums = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, 0.0, 0.0};
+    int p;
+
+    kernels->scale(w->residual, f->data.row_value + k * f->data.used, 1.0 / scale, n);
+    kernels->subtract(w->residual, f->data.row_a, x, 1.0 / scale, n);
+    for (p = 0; p < f->model.lobes; p++) {
+        kernels->subtract(w->residual, w->column[p], y[p], 1.0 / scale, n);
+        size += y[p] * v->norm[p];
+        steep += y[p] > 0.0 ? y[p] * v->error[p] : 0.0;
+    }
+    sum = kernels->dot(w->residual, w->residual, n);
+    error = (TOL_PUBLISHED * TOL_UNIT * size + steep) / scale * (1.0 + TOL_CURVATURE) +
+            ((double)(n / LANES) + 16.0) * TOL_UNIT * sqrt(sum);
+    sums.objective.high = sums.squares.high = sum;
+    sums.error.high = error * error;
+    return sums;
+}
+
+/* One channel's part of the objective and its error. `triangles`: absolute, of |r|. */
+static void add_channel(const struct fit *f, const struct channel_sums *sums, double scale, double triangles,
+                        struct published *out)
+{
+    double objective = sums_value(&sums->objective), error = sums_value(&sums->error);
+
+    if (f->norm == BRDFFIT_NORM_L2) {
+        error = sqrt(error) + triangles / scale;
+        out->objective += objective * (scale * scale);
+        out->error += (2.0 * sqrt(objective) * error + error * error) * (scale * scale);
+    } else if (f->norm == BRDFFIT_NORM_L1) {
+        out->objective += objective * scale;
+        out->error += error * scale;
+    } else {
+        out->objective = fmax(out->objective, sums->largest * scale);
+        out->error = fmax(out->error, sums->largest_error * scale);
+    }
+    out->squares += sums_value(&sums->squares) * (scale * scale);
+}
+
+double brdffit_fit_triangle_error(const struct reduced *r)
+{
+    size_t g, largest = 0, width = r->channels + 1 + (size_t)r->geometries;
+
+    if (r->rows >= r->used) {
+        return 0.0;
+    }
+    for (g = 0; g < r->groups; g++) {
+        size_t size = r->begin[g + 1] - r->begin[g];
+
+        largest = size > largest ? size : largest;
+    }
+    return 3.0 * TOL_TRIANGLE * TOL_UNIT * (double)(largest / REDUCE_BLOCK + 1) *
+           (double)((REDUCE_BLOCK + width) * width);
+}
+
+struct published brdffit_fit_publish(struct fit *f, const double *sigma)
+{
+    struct published out = {.objective = 0.0};
+    size_t k, lobes = (size_t)f->model.lobes, p;
+    struct scales v;
+
+    open_scales(f, sigma, &v);
+    coefficients(f, &v);
+    columns(f, &v, &out);
+    for (k = 0; k < f->data.channels; k++) {
+        double scale = f->varpro.answer[k].data_scale, y[BRDFFIT_MAX_LOBES];
+        double x = in_internal_units(f, f->x[k], k, wide_of(f->data.scale_a));
+        struct channel_sums sums;
+
+        for (p = 0; p < lobes; p++) {
+            y[p] = in_internal_units(f, f->y[k * lobes + p], k, v.factor[p]);
+        }
+        sums = f->norm == BRDFFIT_NORM_L2 ? residuals_l2(f, &v, k, x, y, scale) : residuals(f, &v, k, x, y, scale);
+        add_channel(f, &sums, scale, f->triangle_error * sqrt(f->data.ii[k]), &out);
+        f->rms[k] = scale * sqrt(sums_value(&sums.squares) / f->data.weight_sum) * f->data.value_scale *
+                    f->data.channel_scale[k];
+    }
+    out.error += f->rows_error * f->data.total + 4.0 * (double)f->data.channels * TOL_UNIT * out.objective;
+    return out;
+}
+
+double brdffit_fit_allowance(const struct fit *f, double objective)
+{
+    double unit = TOL_PUBLISHED * TOL_UNIT, total = f->data.total;
+
+    if (f->norm != BRDFFIT_NORM_L2) {
+        return 4.0 * unit * total;
+    }
+    unit = 2.0 * (2.0 * unit + f->triangle_error);
+    return 2.0 * unit * sqrt(objective) * sqrt(total) + unit * unit * total + f->rows_error * total +
+           (16.0 + 8.0 * (double)f->data.channels) * TOL_UNIT * objective;
+}

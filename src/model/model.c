@@ -1,0 +1,78 @@
+/*
+ * The model of a fit: see model.h. SPDX-License-Identifier: MIT
+ */
+#include "model/model.h"
+
+brdffit_distribution brdffit_model_asked(const brdffit_options *o, int p)
+{
+    return o->distributions ? o->distributions[p] : o->distribution;
+}
+
+/* Index of a kind among those that the model has so far, or their number. */
+static int place_of(const struct model *m, const struct lobe_kind *kind)
+{
+    int i = 0;
+
+    while (i < m->kinds && m->kind[i] != kind) {
+        i++;
+    }
+    return i;
+}
+
+/* Index of the geometry of a kind among those so far, or their number. */
+static int geometry_of(const struct model *m, const struct lobe_kind *kind)
+{
+    int i = 0;
+
+    while (i < m->geometries && m->kind[m->shown_by[i]]->row != kind->row) {
+        i++;
+    }
+    return i;
+}
+
+static void add_kind(struct model *m, const struct lobe_kind *kind)
+{
+    int geometry = geometry_of(m, kind);
+
+    m->kind[m->kinds] = kind;
+    m->geometry[m->kinds] = geometry;
+    if (geometry == m->geometries) {
+        m->shown_by[m->geometries++] = m->kinds;
+    }
+    m->kinds++;
+}
+
+static void add_lobe(struct model *m, int kind, brdffit_distribution distribution)
+{
+    int p = m->lobes++;
+
+    m->distribution[p] = distribution;
+    m->lobe[p].kind = kind;
+    m->lobe[p].side = m->sides++;
+    m->lobe[p].column = m->columns++;
+    m->lobe[p].first = p > 0 && m->lobe[p - 1].kind == kind ? m->lobe[p - 1].first : p;
+}
+
+void brdffit_model_make(struct model *m, const brdffit_options *o)
+{
+    int kind, p;
+
+    m->lobes = m->sides = m->kinds = m->geometries = 0;
+    m->columns = COLUMNS_FIXED;
+    for (p = 0; p < o->lobes; p++) {
+        const struct lobe_kind *wanted = brdffit_lobe_kind_of(brdffit_model_asked(o, p));
+
+        if (place_of(m, wanted) == m->kinds) {
+            add_kind(m, wanted);
+        }
+    }
+    for (kind = 0; kind < m->kinds; kind++) {
+        for (p = 0; p < o->lobes; p++) {
+            brdffit_distribution distribution = brdffit_model_asked(o, p);
+
+            if (m->kind[kind] == brdffit_lobe_kind_of(distribution)) {
+                add_lobe(m, kind, distribution);
+            }
+        }
+    }
+}

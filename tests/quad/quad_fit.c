@@ -1,0 +1,304 @@
+/*
+ * E^2 at a model, and the least one at given roughnesses. SPDX-License-Identifier: MIT
+ *
+ * Least squares with coefficients >= 0: every support (at most 15) is solved by Cholesky of unit columns, the best of
+ * those without a negative coefficient is taken, and its E^2 summed from its residuals. A support that is wrong by
+ * rounding costs nothing but a slightly worse point: what is returned is the E^2 of coefficients >= 0 all the same.
+ */
+#include "quad.h"
+
+#include <float.h>
+#include <string.h>
+
+#define SUPPORTS (1 << QUAD_COLUMNS)
+/* A column with less than this new is left out of its support. */
+#define DEPENDENT 1e-28
+
+void quad_columns(const struct quad_problem *p, const quad *s, quad *column)
+{
+    size_t i;
+    int j;
+
+    memcpy(column, p->a, p->count * sizeof *column);
+    for (j = 0; j < p->lobes; j++) {
+        const struct quad_lobe *lobe = &p->lobe[j];
+        quad *g = column + (size_t)(1 + j) * p->count;
+
+        for (i = 0; i < p->count; i++) {
+            g[i] = lobe->b[i] > 0 ? lobe->b[i] * quad_shape(lobe->distribution, s[j], lobe->c[i], lobe->c_min) : 0;
+        }
+    }
+}
+
+quad quad_residual(const struct quad_problem *p, const quad *column, size_t channel, const quad *z)
+{
+    const quad *data = p->data + channel * p->count;
+    quad sum = 0;
+    size_t i;
+    int j;
+
+    for (i = 0; i < p->count; i++) {
+        quad r = data[i];
+
+        for (j = 0; j <= p->lobes; j++) {
+            if (z[j] > 0) { /* columns may be without meaning where they are not used */
+                r -= z[j] * column[(size_t)j * p->count + i];
+            }
+        }
+        if (p->norm == BRDFFIT_NORM_L2) {
+            sum += p->weight[i] * r * r;
+        } else if (p->norm == BRDFFIT_NORM_L1) {
+            sum += p->weight[i] * fabsq(r);
+        } else {
+            sum = fmaxq(sum, fabsq(r));
+        }
+    }
+    return sum;
+}
+
+/* What y of each lobe is multiplied by in units of quad_columns(). */
+static void factors(const struct quad_problem *p, const quad *s, quad *factor)
+{
+    int j;
+
+    for (j = 0; j < p->lobes; j++) {
+        const struct quad_lobe *lobe = &p->lobe[j];
+
+        factor[j] = quad_lambda(lobe->distribution, s[j]) * quad_shape(lobe->distribution, s[j], lobe->c_min, 0);
+    }
+}
+
+quad quad_at_model(const struct quad_problem *p, const double *sigma, const double *x, const double *y)
+{
+    quad sum = 0, s[QUAD_LOBES], z[QUAD_COLUMNS], factor[QUAD_LOBES];
+    size_t k;
+    int j;
+
+    for (j = 0; j < p->lobes; j++) {
+        s[j] = quad_s(sigma[j]);
+    }
+    factors(p, s, factor);
+    quad_columns(p, s, p->column);
+    for (k = 0; k < p->channels; k++) {
+        quad part;
+
+        z[0] = x[k] / p->scale[k];
+        for (j = 0; j < p->lobes; j++) {
+            z[1 + j] = y[k * (size_t)p->lobes + (size_t)j] * factor[j] / p->scale[k];
+        }
+        part = quad_residual(p, p->column, k, z);
+        sum = p->norm == BRDFFIT_NORM_LINF ? fmaxq(sum, part) : sum + part;
+    }
+    return sum;
+}
+
+/* ---- Least squares ---------------------------------------------------------------------------------------------- */
+
+struct normal {
+    int columns;
+    quad length[QUAD_COLUMNS];
+    quad gram[QUAD_COLUMNS][QUAD_COLUMNS];
+    quad factor[SUPPORTS][QUAD_COLUMNS][QUAD_COLUMNS]; /* Cholesky of each support, rows of its columns in order */
+    int usable[SUPPORTS];
+};
+
+static quad dot(const quad *u, const quad *v, size_t n)
+{
+    quad sum = 0;
+    size_t i;
+
+    for (i = 0; i < n; i++) {
+        sum += u[i] * v[i];
+    }
+    return sum;
+}
+
+static int members(int support, int columns, int *member)
+{
+    int j, n = 0;
+
+    for (j = 0; j < columns; j++) {
+        if (support & (1 << j)) {
+            member[n++] = j;
+        }
+    }
+    return n;
+}
+
+static int cholesky(struct normal *m, int support)
+{
+    quad(*f)[QUAD_COLUMNS] = m->factor[support];
+    int member[QUAD_COLUMNS], n = members(support, m->columns, member), i, j, k;
+
+    for (i = 0; i < n; i++) {
+        if (!(m->length[member[i]] > 0)) {
+            return 0;
+        }
+        for (j = 0; j <= i; j++) {
+            quad sum = m->gram[member[i]][member[j]];
+
+            for (k = 0; k < j; k++) {
+                sum -= f[i][k] * f[j][k];
+            }
+            if (i == j && !(sum > DEPENDENT)) {
+                return 0;
+            }
+            f[i][j] = i == j ? sqrtq(sum) : sum / f[j][j];
+        }
+    }
+    return 1;
+}
+
+/* `weighted` takes the columns times the weights. */
+static void normal_equations(const struct quad_problem *p, const quad *column, quad *weighted, struct normal *m)
+{
+    size_t n = p->count, row;
+    int i, j, support;
+
+    m->columns = 1 + p->lobes;
+    for (i = 0; i < m->columns; i++) {
+        const quad *u = column + (size_t)i * n;
+        quad *w = weighted + (size_t)i * n;
+
+        for (row = 0; row < n; row++) {
+            w[row] = p->weight[row] * u[row];
+        }
+        m->length[i] = sqrtq(dot(w, u, n));
+        for (j = 0; j < i; j++) {
+            m->gram[i][j] = dot(w, column + (size_t)j * n, n) / (m->length[i] * m->length[j]);
+            m->gram[j][i] = m->gram[i][j];
+        }
+        m->gram[i][i] = 1;
+    }
+    for (support = 1; support < 1 << m->columns; support++) {
+        m->usable[support] = cholesky(m, support);
+    }
+}
+
+/* Coefficients of unit columns on a support; the gain t.z, or -1 when one of them is not positive. */
+static quad solve_support(const struct normal *m, int support, const quad *t, quad *z)
+{
+    const quad(*f)[QUAD_COLUMNS] = m->factor[support];
+    int member[QUAD_COLUMNS], n = members(support, m->columns, member), i, k;
+    quad y[QUAD_COLUMNS], gain = 0;
+
+    for (i = 0; i < n; i++) {
+        y[i] = t[member[i]];
+        for (k = 0; k < i; k++) {
+            y[i] -= f[i][k] * y[k];
+        }
+        y[i] /= f[i][i];
+    }
+    memset(z, 0, QUAD_COLUMNS * sizeof *z);
+    for (i = n - 1; i >= 0; i--) {
+        for (k = i + 1; k < n; k++) {
+            y[i] -= f[k][i] * y[k];
+        }
+        y[i] /= f[i][i];
+        if (!(y[i] > 0)) {
+            return -1;
+        }
+        z[member[i]] = y[i];
+        gain += y[i] * t[member[i]];
+    }
+    return gain;
+}
+
+static quad channel_l2(const struct quad_problem *p, const struct normal *m, const quad *column, const quad *weighted,
+                       size_t k, quad *z)
+{
+    const quad *data = p->data + k * p->count;
+    quad t[QUAD_COLUMNS], trial[QUAD_COLUMNS], best = 0;
+    int j, support;
+
+    for (j = 0; j < m->columns; j++) {
+        t[j] = m->length[j] > 0 ? dot(data, weighted + (size_t)j * p->count, p->count) / m->length[j] : 0;
+        z[j] = 0;
+    }
+    for (support = 1; support < 1 << m->columns; support++) {
+        quad gain = m->usable[support] ? solve_support(m, support, t, trial) : -1;
+
+        if (gain > best) {
+            best = gain;
+            memcpy(z, trial, sizeof trial);
+        }
+    }
+    for (j = 0; j < m->columns; j++) {
+        z[j] = z[j] > 0 ? z[j] / m->length[j] : 0;
+    }
+    return quad_residual(p, column, k, z);
+}
+
+/* Whether x and y are finite as doubles, in the data's units; y times `factor` is what z multiplies. */
+static int finite_model(const struct quad_problem *p, const quad *factor, size_t k, const quad *z)
+{
+    int j, fine = z[0] * p->scale[k] <= DBL_MAX;
+
+    for (j = 0; j < p->lobes; j++) {
+        fine = fine && (!(z[1 + j] > 0) || z[1 + j] * p->scale[k] <= DBL_MAX * factor[j]);
+    }
+    return fine;
+}
+
+quad quad_at(const struct quad_problem *p, const quad *s)
+{
+    quad sum = 0, z[QUAD_COLUMNS], factor[QUAD_LOBES], *weighted = p->column + QUAD_COLUMNS * p->count;
+    struct normal m;
+    size_t k;
+
+    quad_columns(p, s, p->column);
+    factors(p, s, factor);
+    if (p->norm == BRDFFIT_NORM_L2) {
+        normal_equations(p, p->column, weighted, &m);
+    }
+    for (k = 0; k < p->channels; k++) {
+        quad part = p->norm == BRDFFIT_NORM_L2   ? channel_l2(p, &m, p->column, weighted, k, z)
+                    : p->norm == BRDFFIT_NORM_L1 ? quad_channel_l1(p, p->column, k, z)
+                                                 : quad_channel_linf(p, p->column, k, z);
+
+        if (!finite_model(p, factor, k, z)) {
+            return strtoflt128("inf", NULL);
+        }
+        sum = p->norm == BRDFFIT_NORM_LINF ? fmaxq(sum, part) : sum + part;
+    }
+    return sum;
+}
+
+int quad_solve(quad *matrix, quad *right, int n)
+{
+    const int stride = QUAD_COLUMNS + 1;
+    int i, j, k;
+
+    for (k = 0; k < n; k++) {
+        int pivot = k;
+
+        for (i = k + 1; i < n; i++) {
+            pivot = fabsq(matrix[i * stride + k]) > fabsq(matrix[pivot * stride + k]) ? i : pivot;
+        }
+        if (!(fabsq(matrix[pivot * stride + k]) > 0)) {
+            return 0;
+        }
+        for (j = 0; pivot != k && j <= n; j++) {
+            quad *p = j < n ? matrix + k * stride + j : right + k, *q = j < n ? matrix + pivot * stride + j : right + pivot;
+            quad swap = *p;
+
+            *p = *q;
+            *q = swap;
+        }
+        for (i = k + 1; i < n; i++) {
+            quad factor = matrix[i * stride + k] / matrix[k * stride + k];
+
+            for (j = k; j < n; j++) {
+                matrix[i * stride + j] -= factor * matrix[k * stride + j];
+            }
+            right[i] -= factor * right[k];
+        }
+    }
+    for (k = n - 1; k >= 0; k--) {
+        for (j = k + 1; j < n; j++) {
+            right[k] -= matrix[k * stride + j] * right[j];
+        }
+        right[k] /= matrix[k * stride + k];
+    }
+    return 1;
+}
