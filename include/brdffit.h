@@ -122,8 +122,11 @@ typedef enum brdffit_quantity {
  * DIRECTIONS:   light, view: count x 3, row-major, towards the light and
  *               towards the viewer; any finite length but zero (they are
  *               normalised). normal: count x 3, or NULL for +z. Directions are
- *               taken to be known to 1e-15 radians: half-vector angles that
- *               close are one angle, so that mirror images merge.
+ *               taken to be known to 1e-15 radians: what is proven holds for
+ *               the doubles and for any others that close, such as those of
+ *               the degrees that they were made from. Half-vector angles that
+ *               close are one angle, so that mirror images merge. LAFORTUNE:
+ *               where the sign of r.v is not known so, a sample has no lobe.
  * ANGLES:       cos_light = n.l and cos_view = n.v in [-1, 1],
  *               tan2_half = tan^2 alpha in [0, 1e100], cos_difference = v.h in (0, 1].
  *               Samples with equal tan2_half (to the bit) merge exactly.

@@ -385,7 +385,7 @@ static void test_c_of_any_size(void **state)
     (void)state;
     for (i = 0; i < sizeof c / sizeof c[0]; i++) {
         brdffit_status expected = c[i] <= LIMIT_C ? BRDFFIT_OK : BRDFFIT_ERR_VALUE;
-        struct geometry got = {0.0, 0.0, 0.0, 0.0};
+        struct geometry got = {.cos_light = 0.0};
 
         one_new(&one, BRDFFIT_FORM_ANGLES);
         one.cos_view = one.cos_light = 1e-29;

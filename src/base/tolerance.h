@@ -24,6 +24,8 @@
 #define TOL_ANGLE 1e-15
 /* Relative to c - c_min: larger changes by that merging are left alone, where they would cost the bound. */
 #define TOL_SNAP 1e-13
+/* Change of c s by merging with c_min, at the end of the search: less than objectives are told apart by (1e-9). */
+#define TOL_JOIN 1e-11
 
 /* A direction whose cosine with the normal is below this counts as on the horizon: c and b stay finite. */
 #define LIMIT_GRAZING 1e-30

@@ -10,11 +10,7 @@
 #include <math.h>
 
 #include "base/exp.h"
-
-/* high + low, |low| at most about half an ulp of high. */
-struct twofold {
-    double high, low;
-};
+#include "base/twofold.h"
 
 /* x y, exactly (Dekker, Veltkamp) while nothing underflows; `low` is 0 where splitting would overflow. */
 static inline struct twofold twofold_product(double x, double y)

@@ -211,22 +211,35 @@ static void set_levels(const struct batch_fast *f, const struct batch_rules *rul
     size_t l;
 
     for (l = 0; l < LANES; l++) {
-        double most, relative, absolute;
+        double most, relative, absolute, doubt = f->doubt * sqrt(st->total[l]) * (1.0 + 8.0 * TOL_UNIT), root;
 
         st->error[l] = st->best[l] < INFINITY ? published_error(f, st->best_s[l], st->best[l], st->total[l]) : 0.0;
         most = st->best[l] + st->error[l];
         relative = most / (1.0 + rules->relative_gap) * (1.0 + 16.0 * TOL_UNIT);
         absolute = most * (1.0 + 16.0 * TOL_UNIT) - rules->absolute_gap * st->total[l] * (1.0 - 16.0 * TOL_UNIT);
         st->level[l] = fmin(relative, absolute);
-        st->gamma[l] = st->rest[l] - st->level[l] - f->slack * st->total[l];
+        /* E^2 >= level holds for the true geometry when this one's is above the square of its root and the doubt. */
+        root = sqrt(fmax(st->level[l], 0.0));
+        st->gamma[l] = st->rest[l] - (st->level[l] + doubt * (2.0 * root + doubt)) - f->slack * st->total[l];
     }
+}
+
+/* Whether the lobes beyond the last node, which are its lobe but for the doubt of the tail, are above the level. */
+static int tail_pays(const struct batch_fast *f, const struct batch_tile *tile, const struct tile_state *st,
+                     size_t lane)
+{
+    double gain = tile->gain[f->windows * LANES + lane], doubt = f->doubt_tail * sqrt(st->total[lane]);
+    double left = st->rest[lane] - gain * (1.0 + 1e-9) - f->slack * st->total[lane];
+    double root = sqrt(st->level[lane]) * (1.0 + 1e-12) + doubt;
+
+    return f->doubt_tail <= f->doubt || left >= root * root;
 }
 
 /* Proof of one pending texel whose incumbent is up to date. */
 static void certify(const struct batch_fast *f, struct batch_tile *tile, struct tile_state *st, size_t lane, int last)
 {
     struct batch_outcome *out = &tile->outcome[lane];
-    int proven = st->level[lane] <= 0.0 ? 1 : prove(f, tile, st, lane);
+    int proven = st->level[lane] <= 0.0 ? 1 : tail_pays(f, tile, st, lane) ? prove(f, tile, st, lane) : 0;
 
     if (proven < 0 && !last) {
         return;

@@ -42,6 +42,8 @@
  * 1e-130, and lambda <= 1e24). What is proven beyond does no harm.
  */
 #define MOST_EXPONENT 1100.0
+/* Largest relative error of a lobe by its geometry: the bound is lowered by twice that times |I| E, whatever the window. */
+#define MOST_DOUBT 1e-8
 
 int brdffit_batch_fast_possible(const brdffit_options *o)
 {
@@ -155,6 +157,25 @@ static void keep_samples(struct batch_fast *f, const struct reduced *r, const br
     }
 }
 
+/*
+ * What the geometry's rounding costs: one number for the whole range. 0 when that is too much, or a sample hides a lobe:
+ * then each texel takes the general path, which knows better.
+ */
+static int charge_domain(struct batch_fast *f, struct reduced *r, const struct model *model, const double theta[3],
+                         const brdffit_options *o)
+{
+    const struct charge *c = &r->table[0].charge;
+    const struct kind_charge *k = &r->kind_charge[0];
+
+    if (c->most_hidden > 0.0 || c->grazing > 1e-12) {
+        return 0;
+    }
+    brdffit_charge_domain(r, model, 0, brdffit_kernels(o->isa), theta, MOST_DOUBT, c->light);
+    f->doubt = c->diffuse + k->body;
+    f->doubt_tail = c->diffuse + k->tail;
+    return k->step == 0.0 && f->doubt <= MOST_DOUBT;
+}
+
 /* Nodes and windows over [theta_low, theta_high]; 0 when D is lost in rounding somewhere. */
 static int fill_tables(struct batch_fast *f, double theta_low, double theta_high, double snapped)
 {
@@ -195,7 +216,7 @@ int brdffit_batch_fast_start(struct batch_fast *f, const brdffit_samples *geomet
     const struct table *table = &r->table[0];
     brdffit_samples samples = *geometry;
     struct model model;
-    double theta_low, theta_high, tail;
+    double theta_low, theta_high, theta_end, tail;
     size_t i;
 
     for (i = 0; i < geometry->count; i++) {
@@ -216,6 +237,7 @@ int brdffit_batch_fast_start(struct batch_fast *f, const brdffit_samples *geomet
     if (!(tail > 0.0 && isfinite(tail))) {
         return 0;
     }
+    theta_end = theta_high;
     theta_high = fmin(theta_high, kernel_log(tail));
     if (table->c_min > 0.0) {
         theta_high = fmin(theta_high,
@@ -225,6 +247,9 @@ int brdffit_batch_fast_start(struct batch_fast *f, const brdffit_samples *geomet
         return 0;
     }
     f->kind = kind;
+    if (!charge_domain(f, r, &model, (const double[3]){theta_low, theta_high, theta_end}, o)) {
+        return 0;
+    }
     f->nodes = PADDED((size_t)fmin(ceil((theta_high - theta_low) / WINDOW), (double)(MOST_NODES - 1)) + 1);
     f->windows = f->nodes - 1; /* nodes come in blocks: use them all */
     keep_samples(f, r, geometry, brdffit_model_asked(o, 0));

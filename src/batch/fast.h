@@ -39,6 +39,7 @@ struct batch_fast {
     size_t nodes;           /* N + 1, a multiple of LANES */
     double root_a;          /* |a|; 0 when no sample has a diffuse part */
     double slack;           /* rounding of the sums, relative to the data's sum of squares */
+    double doubt, doubt_tail; /* of the geometry (data/charge.h): in the range, and from its end on */
     double s_low;           /* s at the start of the range */
     const struct lobe_kind *kind;
     double c_min, scale_a, scale_b, scale_w;

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "model/geometry.h"
+#include "model/lobe.h"
 #include "data/reduce_parts.h"
 #include "base/tolerance.h"
 #include "base/vector.h"
@@ -58,6 +59,7 @@ void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t 
     reduced->merge = brdffit_arena_take(arena, count, sizeof(uint32_t));
     reduced->begin = brdffit_arena_take(arena, count + 1, sizeof(uint32_t));
     reduced->block = ARENA_DOUBLES(arena, width * (width + REDUCE_BLOCK));
+    brdffit_charge_layout(reduced, arena, PADDED(count));
 }
 
 /* Values of one sample that counts: all finite; keep each channel's largest radiance, and in ii its magnitude. */
@@ -79,19 +81,33 @@ static brdffit_status check_values(struct reduced *r, const brdffit_samples *s, 
     return BRDFFIT_OK;
 }
 
-/* b and c of a sample that counts, in the geometries beyond the first. */
-static void keep_more(struct reduced *r, const brdffit_samples *s, const struct model *model,
-                      const struct geometry *first)
+static void keep_table(struct reduced *r, int t, const struct geometry *g)
 {
-    struct geometry g = *first;
+    r->table[t].sample_b[r->used] = g->b;
+    r->table[t].sample_c[r->used] = g->c;
+    brdffit_charge_sample(&r->table[t].charge, r->used, g);
+}
+
+/* a of a sample that counts, and its b and c in every geometry. */
+static void keep_sample(struct reduced *r, const brdffit_samples *s, const struct model *model, size_t i,
+                        const struct geometry *lead)
+{
+    struct geometry g;
     int t;
 
-    for (t = 1; t < r->geometries; t++) {
-        if (s->form != BRDFFIT_FORM_COEFFICIENTS) {
-            model->kind[model->shown_by[t]]->row(&first->angles, &g);
+    r->sample[r->used] = (uint32_t)i;
+    r->sample_a[r->used] = lead->a;
+    keep_table(r, model->lead, lead);
+    for (t = 0; t < r->geometries; t++) {
+        if (t == model->lead) {
+            continue;
         }
-        r->table[t].sample_b[r->used] = g.b;
-        r->table[t].sample_c[r->used] = g.c;
+        g = *lead;
+        if (s->form != BRDFFIT_FORM_COEFFICIENTS) {
+            g.b_hidden = g.c_hidden = 0.0;
+            model->kind[model->shown_by[t]]->row(&lead->angles, &g);
+        }
+        keep_table(r, t, &g);
     }
 }
 
@@ -100,6 +116,7 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
                                const brdffit_options *options, brdffit_error *error)
 {
     double min_cosine = brdffit_geometry_min_cosine(options->max_incidence);
+    brdffit_distribution lead = brdffit_model_lead(model);
     size_t i, k;
 
     r->used = 0;
@@ -113,7 +130,7 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
     for (i = 0; i < s->count; i++) {
         struct geometry g;
         brdffit_status status;
-        brdffit_skip skip = brdffit_geometry_sample(s, model->distribution[0], min_cosine, i, &g, &status, error);
+        brdffit_skip skip = brdffit_geometry_sample(s, lead, min_cosine, i, &g, &status, error);
 
         if (status != BRDFFIT_OK) {
             return status;
@@ -122,13 +139,7 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
             r->skipped[skip]++;
             continue;
         }
-        r->sample[r->used] = (uint32_t)i;
-        r->sample_a[r->used] = g.a;
-        r->table[0].sample_b[r->used] = g.b;
-        r->table[0].sample_c[r->used] = g.c;
-        if (r->geometries > 1) {
-            keep_more(r, s, model, &g);
-        }
+        keep_sample(r, s, model, i, &g);
         r->sample_factor[r->used] = s->quantity == BRDFFIT_QUANTITY_RADIANCE ? 1.0 : g.cos_light;
         status = check_values(r, s, i, r->sample_factor[r->used], error);
         if (status != BRDFFIT_OK) {
@@ -229,6 +240,7 @@ static brdffit_status finish_table(const struct reduced *r, struct table *t, con
         }
         if (t->sample_b[j] == 0.0) {
             t->sample_c[j] = INFINITY; /* no lobe here, so c means nothing: sort it last */
+            t->charge.b[j] *= (root ? root[j] : 1.0) / t->scale_b; /* what it hides */
         }
     }
     return BRDFFIT_OK;
@@ -317,17 +329,36 @@ static inline int not_after(const struct reduced *r, const double *c, uint32_t p
     return c[p] < c[q] || (c[p] == c[q] && not_after_beyond(r, p, q));
 }
 
+/* Runs of SHORT_RUN, each put in order by insertion: cheaper than the first passes of merging. */
+#define SHORT_RUN 8u
+
+static void sort_short_runs(const struct reduced *r, const double *c, uint32_t *order)
+{
+    size_t n = r->used, begin, i, j;
+
+    for (begin = 0; begin < n; begin += SHORT_RUN) {
+        size_t end = n - begin < SHORT_RUN ? n : begin + SHORT_RUN;
+
+        for (i = begin; i < end; i++) {
+            uint32_t item = (uint32_t)i;
+
+            for (j = i; j > begin && !not_after(r, c, order[j - 1], item); j--) {
+                order[j] = order[j - 1];
+            }
+            order[j] = item;
+        }
+    }
+}
+
 /* Order by c, then by index: bottom-up merge sort that starts from runs already ascending (a MERL table is one). */
 void brdffit_reduce_sort(struct reduced *r)
 {
     const double *c = r->table[0].sample_c;
     uint32_t *from = r->order, *to = r->merge;
-    size_t n = r->used, begin, i;
+    size_t n = r->used, begin;
     int merged = 1;
 
-    for (i = 0; i < n; i++) {
-        from[i] = (uint32_t)i;
-    }
+    sort_short_runs(r, c, from);
     while (merged) {
         merged = 0;
         for (begin = 0; begin < n;) {
@@ -355,63 +386,14 @@ void brdffit_reduce_sort(struct reduced *r)
     }
 }
 
-/* Snap the c of one geometry among samples that agree in those before it. */
-static void snap_table(struct reduced *r, int g)
-{
-    struct table *t = &r->table[g];
-    double low = INFINITY, first = INFINITY;
-    size_t i, place;
-    int h;
-
-    if (g == 0) {
-        low = t->sample_c[r->order[0]];
-    }
-    for (i = 0; i < r->used && g > 0; i++) {
-        low = smaller(low, t->sample_c[i]);
-    }
-    for (place = 0; place < r->used; place++) {
-        double *c = &t->sample_c[r->order[place]], change = *c - first;
-        double reach = (2.0 * sqrt(first) * (1.0 + first) + TOL_ANGLE) * TOL_ANGLE;
-        int together = place > 0 && change <= reach && (first == low || change <= TOL_SNAP * (first - low));
-
-        for (h = 0; h < g && together; h++) {
-            const double *other = r->table[h].sample_c;
-
-            together = other[r->order[place]] == other[r->order[place - 1]];
-        }
-        if (!together) {
-            first = *c;
-        } else {
-            t->snapped = first == low ? t->snapped : larger(t->snapped, change / (first - low));
-            *c = first;
-        }
-    }
-}
-
-/*
- * Half-vector angles within TOL_ANGLE are one angle: mirror images of a direction differ in the last bits, and their
- * sums merge once they have one c. The change relative to c - c_min is kept, for the moments to allow for; samples
- * that join c_min itself have it by definition.
- */
-void brdffit_reduce_snap(struct reduced *r)
-{
-    int g;
-
-    for (g = 0; g < r->geometries; g++) {
-        if (g > 0) {
-            brdffit_reduce_sort(r);
-        }
-        snap_table(r, g);
-    }
-    if (r->geometries > 1) {
-        brdffit_reduce_sort(r);
-    }
-}
-
 brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples, const struct model *model,
                               const brdffit_options *options, brdffit_error *error)
 {
-    brdffit_status status = classify(reduced, samples, model, options, error);
+    double s_end[KINDS_MOST];
+    brdffit_status status;
+
+    brdffit_charge_none(reduced);
+    status = classify(reduced, samples, model, options, error);
 
     if (status == BRDFFIT_OK) {
         status = brdffit_reduce_channel_scales(reduced, options, error);
@@ -423,11 +405,13 @@ brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *sa
         brdffit_reduce_sort(reduced);
         reduced->counted = reduced->used;
         if (samples->form == BRDFFIT_FORM_DIRECTIONS) {
-            brdffit_reduce_snap(reduced);
+            brdffit_reduce_ends(model, options, s_end);
+            brdffit_reduce_snap(reduced, s_end);
         }
         brdffit_reduce_sums(reduced, samples);
         brdffit_reduce_every_channel(reduced);
         brdffit_reduce_rows(reduced, samples, options->norm);
+        brdffit_charge_samples(reduced, samples, options->norm);
     }
     return status;
 }

@@ -13,6 +13,7 @@
 #include "brdffit.h"
 #include "base/lanes.h"
 #include "model/model.h"
+#include "data/charge.h"
 
 /*
  * Norm l1 minimises sum w |r| and linf the largest |r| where w > 0, so their samples are multiplied by w and by 1
@@ -27,6 +28,7 @@
 struct table {
     double c_min;
     double snapped;        /* largest relative change of c - c_min by merging */
+    struct charge charge;  /* what the geometry's rounding costs a bound */
     double scale_b;
     double *c;             /* c - c_min; of geometry 0 ascending and distinct */
     double *bb;            /* sum w b^2 */
@@ -45,6 +47,7 @@ struct reduced {
     size_t stride;      /* PADDED(M): distance of two rows of the arrays by group */
     int geometries;
     struct table table[KINDS_MOST];
+    struct kind_charge kind_charge[KINDS_MOST];
     double *cross[CROSSES_MOST]; /* sum w b b' of two geometries: reduced_cross() */
     size_t functionals; /* 1 + B, or 1 + 2 B when some value is negative */
     size_t bounded;     /* B <= K: channels that bounds look at, without zero ones and with identical ones merged */

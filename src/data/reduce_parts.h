@@ -22,8 +22,11 @@ void brdffit_reduce_value_scale(struct reduced *reduced, double magnitude);
 /* Order by c of each geometry in turn, then by index. */
 void brdffit_reduce_sort(struct reduced *reduced);
 
-/* Give half-vector angles within rounding one c, and order again. */
-void brdffit_reduce_snap(struct reduced *reduced);
+/* Give half-vector angles within rounding one c, and order again. s_end: end of the search's range (brdffit_reduce_end). */
+void brdffit_reduce_snap(struct reduced *reduced, const double *s_end);
+
+/* The largest s of the search, of each geometry. */
+void brdffit_reduce_ends(const struct model *model, const brdffit_options *options, double *s_end);
 
 /* After brdffit_reduce_group(): sets stride, c_min and c of each geometry; clears what is summed over them. */
 void brdffit_reduce_groups(struct reduced *reduced);

@@ -30,88 +30,118 @@ static double value_of(const struct sum *s)
     return s->high + s->low;
 }
 
-/* Products of a and b of one geometry over places begin .. end - 1. b4 is relative to the largest b: it cannot underflow. */
+static size_t block_end(size_t begin, size_t end)
+{
+    return end - begin > REDUCE_BLOCK ? begin + REDUCE_BLOCK : end;
+}
+
+/* Products of a and b of one geometry. b4 is relative to the largest b: it cannot underflow. */
 struct geometry_sums {
-    struct sum aa, bb, b4, ab;
+    double aa, bb, b4, ab;
 };
+
+/* Over places begin .. end - 1, at most REDUCE_BLOCK of them. */
+static struct geometry_sums geometry_block(const struct reduced *r, const struct table *t, size_t begin, size_t end,
+                                           double inverse)
+{
+    struct geometry_sums s = {0.0, 0.0, 0.0, 0.0};
+    size_t place;
+
+    for (place = begin; place < end; place++) {
+        uint32_t j = r->order[place];
+        double a = r->sample_a[j], b = t->sample_b[j], relative = b * inverse;
+
+        s.aa += a * a;
+        s.bb += b * b;
+        s.b4 += (relative * relative) * (relative * relative);
+        s.ab += a * b;
+    }
+    return s;
+}
 
 static struct geometry_sums geometry_sums(const struct reduced *r, const struct table *t, size_t begin, size_t end,
                                           double largest_b)
 {
-    struct geometry_sums s = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
     double inverse = largest_b > 0.0 ? 1.0 / largest_b : 0.0;
-    size_t place = begin;
+    struct sum aa = {0.0, 0.0}, bb = aa, b4 = aa, ab = aa;
 
-    while (place < end) {
-        size_t stop = end - place > REDUCE_BLOCK ? place + REDUCE_BLOCK : end;
-        double aa = 0.0, bb = 0.0, b4 = 0.0, ab = 0.0;
-
-        for (; place < stop; place++) {
-            uint32_t j = r->order[place];
-            double a = r->sample_a[j], b = t->sample_b[j], relative = b * inverse;
-
-            aa += a * a;
-            bb += b * b;
-            b4 += (relative * relative) * (relative * relative);
-            ab += a * b;
-        }
-        add(&s.aa, aa);
-        add(&s.bb, bb);
-        add(&s.b4, b4);
-        add(&s.ab, ab);
+    if (end - begin <= REDUCE_BLOCK) { /* most groups: one block is its own sum */
+        return geometry_block(r, t, begin, end, inverse);
     }
-    return s;
+    while (begin < end) {
+        size_t stop = block_end(begin, end);
+        struct geometry_sums block = geometry_block(r, t, begin, stop, inverse);
+
+        add(&aa, block.aa);
+        add(&bb, block.bb);
+        add(&b4, block.b4);
+        add(&ab, block.ab);
+        begin = stop;
+    }
+    return (struct geometry_sums){value_of(&aa), value_of(&bb), value_of(&b4), value_of(&ab)};
 }
 
 /* u.v over places begin .. end - 1. */
 static double product_sum(const struct reduced *r, const double *u, const double *v, size_t begin, size_t end)
 {
     struct sum s = {0.0, 0.0};
-    size_t place = begin;
 
-    while (place < end) {
-        size_t stop = end - place > REDUCE_BLOCK ? place + REDUCE_BLOCK : end;
+    while (begin < end) {
+        size_t stop = block_end(begin, end);
         double part = 0.0;
 
-        for (; place < stop; place++) {
-            part += u[r->order[place]] * v[r->order[place]];
+        for (; begin < stop; begin++) {
+            part += u[r->order[begin]] * v[r->order[begin]];
         }
         add(&s, part);
     }
     return value_of(&s);
 }
 
+/* Products of a channel with a, with itself and with b of one geometry, those above and those below 0. */
 struct channel_sums {
-    struct sum ai, ii, positive, negative;
+    double ai, ii, positive, negative;
 };
 
-/* Products of channel k with a, itself and b of one geometry over places begin .. end - 1. */
+/* Over places begin .. end - 1, at most REDUCE_BLOCK of them. */
+static struct channel_sums channel_block(const struct reduced *r, const struct table *t, const brdffit_samples *samples,
+                                         size_t k, size_t begin, size_t end)
+{
+    struct channel_sums s = {0.0, 0.0, 0.0, 0.0};
+    size_t place;
+
+    for (place = begin; place < end; place++) {
+        uint32_t j = r->order[place];
+        double value = brdffit_reduce_value(r, samples, j, k);
+        double ib = t->sample_b[j] * value;
+
+        s.ai += r->sample_a[j] * value;
+        s.ii += value * value;
+        s.positive += ib > 0.0 ? ib : 0.0;
+        s.negative += ib < 0.0 ? -ib : 0.0;
+    }
+    return s;
+}
+
 static struct channel_sums channel_sums(const struct reduced *r, const struct table *t, const brdffit_samples *samples,
                                         size_t k, size_t begin, size_t end)
 {
-    struct channel_sums s = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
-    size_t place = begin;
+    struct sum ai = {0.0, 0.0}, ii = ai, positive = ai, negative = ai;
 
-    while (place < end) {
-        size_t stop = end - place > REDUCE_BLOCK ? place + REDUCE_BLOCK : end;
-        double ai = 0.0, ii = 0.0, positive = 0.0, negative = 0.0;
-
-        for (; place < stop; place++) {
-            uint32_t j = r->order[place];
-            double value = brdffit_reduce_value(r, samples, j, k);
-            double ib = t->sample_b[j] * value;
-
-            ai += r->sample_a[j] * value;
-            ii += value * value;
-            positive += ib > 0.0 ? ib : 0.0;
-            negative += ib < 0.0 ? -ib : 0.0;
-        }
-        add(&s.ai, ai);
-        add(&s.ii, ii);
-        add(&s.positive, positive);
-        add(&s.negative, negative);
+    if (end - begin <= REDUCE_BLOCK) {
+        return channel_block(r, t, samples, k, begin, end);
     }
-    return s;
+    while (begin < end) {
+        size_t stop = block_end(begin, end);
+        struct channel_sums block = channel_block(r, t, samples, k, begin, stop);
+
+        add(&ai, block.ai);
+        add(&ii, block.ii);
+        add(&positive, block.positive);
+        add(&negative, block.negative);
+        begin = stop;
+    }
+    return (struct channel_sums){value_of(&ai), value_of(&ii), value_of(&positive), value_of(&negative)};
 }
 
 static double largest_b(const struct reduced *r, const struct table *t, size_t begin, size_t end)
@@ -176,7 +206,7 @@ void brdffit_reduce_groups(struct reduced *r)
 /* The sums of group j that need no values. Returns sum a^2. */
 static double sum_group(struct reduced *r, size_t j)
 {
-    struct geometry_sums s = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
+    struct geometry_sums s = {0.0, 0.0, 0.0, 0.0};
     size_t begin = r->begin[j], end = r->begin[j + 1];
     int g, h;
 
@@ -185,19 +215,19 @@ static double sum_group(struct reduced *r, size_t j)
         double top = largest_b(r, t, begin, end), bb;
 
         s = geometry_sums(r, t, begin, end, top);
-        bb = value_of(&s.bb);
+        bb = s.bb;
         if (bb > 0.0) {
             double relative = bb / (top * top);
 
             t->bb[j] = bb;
-            t->concentration[j] = value_of(&s.b4) / (relative * relative);
-            t->linear[j] = value_of(&s.ab);
+            t->concentration[j] = s.b4 / (relative * relative);
+            t->linear[j] = s.ab;
         }
         for (h = 0; h < g && j < r->distinct; h++) {
             r->cross[g * (g - 1) / 2 + h][j] = product_sum(r, t->sample_b, r->table[h].sample_b, begin, end);
         }
     }
-    return value_of(&s.aa);
+    return s.aa;
 }
 
 static double sum_geometry(struct reduced *r)
@@ -223,13 +253,13 @@ static int sum_channel(struct reduced *r, const brdffit_samples *samples, size_t
             struct channel_sums s = channel_sums(r, t, samples, k, r->begin[j], r->begin[j + 1]);
 
             if (g == 0) {
-                add(&ai, value_of(&s.ai));
-                add(&ii, value_of(&s.ii));
+                add(&ai, s.ai);
+                add(&ii, s.ii);
             }
             if (j < r->distinct) {
-                double below = value_of(&s.negative);
+                double below = s.negative;
 
-                t->linear[(1 + k) * r->stride + j] = value_of(&s.positive);
+                t->linear[(1 + k) * r->stride + j] = s.positive;
                 t->linear[(1 + r->channels + k) * r->stride + j] = below;
                 any_negative = any_negative || below > 0.0;
             }

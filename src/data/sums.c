@@ -32,6 +32,7 @@ static int layout(struct brdffit_sums *s, struct arena *arena)
     s->product = brdffit_arena_take(arena, s->capacity, SUMS_PRODUCTS(K) * sizeof *s->product);
     s->slot = brdffit_arena_take(arena, s->slots, sizeof *s->slot);
     s->cell = brdffit_arena_take(arena, s->capacity, sizeof *s->cell);
+    s->errors = brdffit_arena_take(arena, s->capacity, sizeof *s->errors);
     s->ascending = brdffit_arena_take(arena, s->capacity, sizeof *s->ascending);
     s->largest = ARENA_DOUBLES(arena, K);
     s->magnitude = ARENA_DOUBLES(arena, K);
@@ -65,6 +66,8 @@ static void clear(struct brdffit_sums *s)
     size_t sums = TABLE_ROW_SUMS(s->channels) * LANES;
 
     memset(s->slot, 0, s->slots * sizeof *s->slot);
+    memset(s->errors, 0, s->capacity * sizeof *s->errors);
+    s->hidden_c = INFINITY;
     memset(s->largest, 0, s->channels * sizeof *s->largest);
     memset(s->magnitude, 0, s->channels * sizeof *s->magnitude);
     s->totals.high = s->totals_memory;
@@ -191,6 +194,25 @@ static void add_to_group(struct brdffit_sums *s, struct sums_pair *product, cons
     }
 }
 
+/* What a sample without a lobe may hide (charge.c): only where some value is positive. */
+static void note_hidden(struct brdffit_sums *s, const struct geometry *g, double w, const double *value,
+                        double to_radiance)
+{
+    int positive = 0;
+    size_t k;
+
+    for (k = 0; k < s->channels && g->b_hidden > 0.0; k++) {
+        double radiance = value[k] * to_radiance;
+
+        positive = positive || radiance > 0.0;
+        s->hidden_data += w * (radiance > 0.0 ? 1.0 : 0.0); /* at most the channel's scale each */
+    }
+    if (positive) {
+        s->hidden += w * g->b_hidden * g->b_hidden;
+        s->hidden_c = fmin(s->hidden_c, g->c_hidden);
+    }
+}
+
 /* Add the sample to its group, or to the two that share it; 0 when there is no room. */
 static int add_products(struct brdffit_sums *s, const struct geometry *g, double w, const double *value,
                         double to_radiance)
@@ -205,6 +227,9 @@ static int add_products(struct brdffit_sums *s, const struct geometry *g, double
         parts = split.group[0] < s->capacity;
     }
     for (i = 0; i < parts; i++) {
+        struct sums_errors errors = {g->b_error, g->c_error, g->c_error};
+
+        sums_note_errors(&s->errors[split.group[i]], &errors);
         add_to_group(s, sums_group(s, split.group[i]), g, w * split.share[i], value, to_radiance);
     }
     return parts > 0;
@@ -236,6 +261,8 @@ static brdffit_status add_sample(struct brdffit_sums *s, const brdffit_samples *
                               i, BRDFFIT_NONE, g.c);
         return error ? (error->status = BRDFFIT_ERR_WORKSPACE) : BRDFFIT_ERR_WORKSPACE;
     }
+    note_hidden(s, &g, w, samples->values + i * s->channels, to_radiance);
+    s->light_error = fmax(s->light_error, g.light_error);
     sums_add(&s->weight, w);
     s->largest_weight = fmax(s->largest_weight, w);
     s->used++;

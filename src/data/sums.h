@@ -26,6 +26,11 @@ struct sums_pair {
     double high, low;
 };
 
+/* Largest errors of a group's samples (struct geometry). A row's samples share that of c: it is no spread. */
+struct sums_errors {
+    double b, c, spread;
+};
+
 struct brdffit_sums {
     size_t channels;
     brdffit_distribution distribution;
@@ -46,6 +51,10 @@ struct brdffit_sums {
     uint32_t *ascending;     /* exact_used groups in ascending c */
     struct sums_pair *cell;  /* capacity: sum w b^2 of the samples between the node and the next */
 
+    struct sums_errors *errors; /* capacity */
+    double light_error;      /* largest of a sample */
+    double hidden, hidden_c, hidden_data; /* of charge.h, squares, in the caller's units; the data over largest[] */
+
     double *largest;         /* K: largest radiance, >= 0 */
     double *magnitude;       /* K: largest |radiance| */
     double largest_weight;
@@ -64,6 +73,13 @@ static inline void sums_add(struct sums_pair *s, double term)
 
     s->low += (s->high - (sum - back)) + (term - back);
     s->high = sum;
+}
+
+static inline void sums_note_errors(struct sums_errors *to, const struct sums_errors *from)
+{
+    to->b = from->b > to->b ? from->b : to->b;
+    to->c = from->c > to->c ? from->c : to->c;
+    to->spread = from->spread > to->spread ? from->spread : to->spread;
 }
 
 static inline double sums_value(const struct sums_pair *s)

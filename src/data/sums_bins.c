@@ -78,6 +78,7 @@ static int evict(struct brdffit_sums *s, size_t group)
     for (part = 0; part < parts; part++) {
         struct sums_pair *to = sums_group(s, split.group[part]);
 
+        sums_note_errors(&s->errors[split.group[part]], &s->errors[group]);
         for (i = 0; i < n; i++) {
             sums_add(&to[i], from[i].high * split.share[part]);
             to[i].low += from[i].low * split.share[part];
@@ -86,6 +87,7 @@ static int evict(struct brdffit_sums *s, size_t group)
     if (parts > 0) {
         sums_add(&s->cell[split.group[0]], sums_value(&from[SUMS_BB]));
         memset(from, 0, n * sizeof *from);
+        memset(&s->errors[group], 0, sizeof *s->errors);
     }
     return parts;
 }

@@ -87,23 +87,46 @@ static brdffit_status choose_scales(const struct brdffit_sums *s, const brdffit_
     return status;
 }
 
-/* Groups in ascending c, as if they were samples. */
-static void order_groups(const struct brdffit_sums *s, struct reduced *r)
+/* What reduced.charge has not from the groups. */
+static void charge_sums(const struct brdffit_sums *s, struct reduced *r)
 {
+    struct table *t = &r->table[0];
+    struct charge *c = &t->charge;
+
+    c->diffuse = 2.01 * s->light_error;
+    if (!(t->c_min <= MIRROR_C_MIN)) {
+        c->spread = larger(c->spread, 2.0 * s->errors[r->order[0]].spread);
+    }
+    c->hidden = sqrt(s->hidden / r->scale_w) / t->scale_b;
+    c->hidden_c = larger(0.0, s->hidden_c - t->c_min);
+    c->hidden_data = sqrt(s->hidden_data / r->scale_w) / r->value_scale;
+}
+
+/* Groups in ascending c, as if they were samples. */
+static void order_groups(const struct brdffit_sums *s, struct reduced *r, double s_end)
+{
+    struct table *t = &r->table[0];
     size_t g;
 
     r->used = s->groups;
+    brdffit_charge_none(r);
     for (g = 0; g < s->groups; g++) {
         /* A node that was made in vain, for a sample that was refused, is no c. */
         r->table[0].sample_c[g] = sums_value(sums_group(s, g) + SUMS_BB) > 0.0 ? s->c[g] : INFINITY;
+        t->sample_b[g] = sqrt(sums_value(sums_group(s, g) + SUMS_BB) / r->scale_w) / t->scale_b;
+        t->charge.b[g] = s->errors[g].b;
+        t->charge.c[g] = s->errors[g].c;
+        t->charge.relative = larger(t->charge.relative, s->errors[g].b);
     }
     brdffit_reduce_sort(r);
     r->table[0].snapped = 0.0;
     if (s->directions && !s->bits) { /* nodes are never that close, and are to stay where they are */
-        brdffit_reduce_snap(r);
+        brdffit_reduce_snap(r, &s_end);
     }
     brdffit_reduce_group(r);
     brdffit_reduce_groups(r);
+    brdffit_charge_groups(r);
+    charge_sums(s, r);
     r->counted = s->used;
     r->weight_sum = sums_value(&s->weight) / r->scale_w;
     for (g = 0; g < BRDFFIT_SKIP_COUNT; g++) {
@@ -256,6 +279,8 @@ brdffit_status brdffit_sums_reduce(const struct brdffit_sums *s, const brdffit_o
 {
     /* The block has room for (K + 2) x 64 doubles and more. */
     struct sums_pair *rest = (struct sums_pair *)(void *)r->block, *sum = rest + r->channels;
+    struct model model;
+    double s_end[KINDS_MOST];
     brdffit_status status;
     size_t j, k;
     int negative = 0;
@@ -267,7 +292,9 @@ brdffit_status brdffit_sums_reduce(const struct brdffit_sums *s, const brdffit_o
     if (status != BRDFFIT_OK) {
         return status;
     }
-    order_groups(s, r);
+    brdffit_model_make(&model, options);
+    brdffit_reduce_ends(&model, options, s_end);
+    order_groups(s, r, s_end[0]);
     r->rows = 0;
     r->aa = r->total = 0.0;
     for (k = 0; k < r->channels; k++) {

@@ -157,6 +157,29 @@ static void collect(const struct table_row_totals *t, size_t which, double facto
     pair->low += sum.low * factor;
 }
 
+/* No table is so fine that a cell above its horizon has n.l or n.v below this. */
+#define ROW_GRAZE 1e-8
+
+/*
+ * Errors of a row's cells, its sines and cosines taken as exact: n.l and n.v are off by 5 u at most, four roundings of
+ * numbers below 1. Where the light is above min_cosine, b of V-cavities has n.v below n.l cancelled, or n.v above
+ * (v.h) / (2 n.h); Ward's has not. c is within 16 u, and all cells share its error.
+ */
+static void note_row_errors(struct brdffit_sums *s, size_t group, const struct geometry_table_row *shared)
+{
+    double off = 5.0 * TOL_UNIT / fmax(s->min_cosine, ROW_GRAZE);
+    struct sums_errors errors = {16.0 * off, 16.0 * TOL_UNIT * shared->c, 0.0};
+
+    if (shared->kind == TABLE_ROW_ROOT) {
+        errors.b = 5.0 * TOL_UNIT / ROW_GRAZE;
+    }
+    if (s->errors[group].spread > 0.0) {
+        errors.spread = errors.c;
+    }
+    s->light_error = fmax(s->light_error, off + 2.0 * TOL_UNIT);
+    sums_note_errors(&s->errors[group], &errors);
+}
+
 static void join(struct brdffit_sums *s, size_t group, double factor)
 {
     struct sums_pair *product = sums_group(s, group);
@@ -231,6 +254,7 @@ brdffit_status brdffit_sums_add_row_run(brdffit_sums *s, const brdffit_row *row,
                                 "the rows have more distinct c than the sums have groups");
         }
         join(s, group, shared.factor);
+        note_row_errors(s, group, &shared);
     }
     all = row->differences * row->azimuths;
     samples = all - (size_t)(s->totals.below + s->totals.absent);

@@ -60,6 +60,23 @@ static double try_published(void *self, struct point *point)
     return objective + brdffit_fit_allowance(f, objective);
 }
 
+/*
+ * What the geometry's rounding costs. A charge d takes 2 d |I| E of E^2, and E^2 is proven to gap E^2 or to
+ * absolute_gap |I|^2: the two meet where a charge of this size takes a hundredth of either.
+ */
+static void charge_domain(struct fit *f, const brdffit_options *o)
+{
+    double fine = fmin(1e-10, fmax(1e-14, 0.005 * sqrt(o->relative_gap * o->absolute_gap)));
+    int kind;
+
+    for (kind = 0; kind < f->model.kinds; kind++) {
+        const struct domain *d = &f->domain[kind];
+        const double theta[3] = {d->low, d->high, d->flat};
+
+        brdffit_charge_domain(&f->data, &f->model, kind, f->varpro.kernels, theta, fine, f->varpro.phi);
+    }
+}
+
 /* Everything up to the first box: domain, partition, engine, rules. The engine is to be finished after success. */
 brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct engine *engine,
                                  struct search_rules *rules, brdffit_error *error)
@@ -69,6 +86,7 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
 
     rules->cancelled = report_reduced(f, o);
     brdffit_fit_prepare(f, o);
+    charge_domain(f, o);
     for (kind = 0; kind < f->model.kinds; kind++) {
         const struct domain *d = &f->domain[kind];
         int point = d->high <= brdffit_fit_outwards(d->low, 4.0); /* one roughness, and what rounding may make of it */

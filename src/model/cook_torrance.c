@@ -4,13 +4,16 @@
 #include "model/cook_torrance.h"
 #include "base/constants.h"
 #include "model/masking.h"
+#include "model/rounding.h"
 
 void brdffit_cook_torrance_row(const struct geometry_angles *g, struct geometry *out)
 {
-    double cos2 = cos2_half(g);
+    double cos2 = cos2_half(g), masking = masking_v_cavity(g);
 
-    out->b = masking_v_cavity(g) / (PI * g->cos_view * cos2 * cos2);
+    out->b = masking / (PI * g->cos_view * cos2 * cos2);
     out->c = g->tan2_half;
+    out->b_error = ENOUGH * (2.0 * rounding_of_cos2(g) + rounding_of_masking(g, masking)) + 12.0 * TOL_UNIT;
+    out->c_error = g->tan2_error;
 }
 
 double brdffit_cook_torrance_table_factor(double cos2_half)

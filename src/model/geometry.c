@@ -3,7 +3,8 @@
  * SPDX-License-Identifier: MIT
  *
  * tan^2 alpha comes from the unnormalised half vector h = l + v as |n x h|^2 / (n.h)^2: near the mirror
- * direction 1 - (n.h)^2 would lose every digit that matters there.
+ * direction 1 - (n.h)^2 would lose every digit that matters there. Where that cancels itself (alpha below 1e-4, grazing
+ * cosines with a given normal, opposite directions; r.v near 1 or 0 for lobes that use it) accurate.c does it again.
  */
 #include "model/geometry.h"
 
@@ -14,6 +15,7 @@
 #include "base/error.h"
 #include "base/tolerance.h"
 #include "base/vector.h"
+#include "model/rounding.h"
 
 brdffit_status brdffit_geometry_check(const brdffit_samples *s, int need_values, brdffit_error *error)
 {
@@ -101,10 +103,49 @@ static brdffit_status vector_error(brdffit_error *error, const double *v, const 
     return brdffit_fail_at(error, message, i, BRDFFIT_NONE, v[j]);
 }
 
-static brdffit_status angles_of_directions(const brdffit_samples *s, size_t i, struct geometry_angles *out,
-                                           brdffit_error *error)
+/* Whether 1 - r.v cancels: near the mirror direction, where it does so in n.l - n.v, and where r.v is about 0. */
+static int mirror_cancels(const struct geometry_angles *g)
 {
-    double l[3], v[3], n[3] = {0.0, 0.0, 1.0}, h[3], cross[3], cos_half, length;
+    double difference = g->cos_light - g->cos_view, sum = g->cos_light + g->cos_view;
+    double off = 0.5 * (difference * difference + g->tan2_half * (sum * sum));
+
+    return off < ACCURATE_TAN2 || fabs(1.0 - off) < ACCURATE_COSINE;
+}
+
+static int cancels(const struct geometry_angles *g, int general, int mirrored)
+{
+    return g->tan2_half < ACCURATE_TAN2 || g->cos_difference < 1e-3 ||
+           (general && (fabs(g->cos_light) < ACCURATE_COSINE || fabs(g->cos_view) < ACCURATE_COSINE)) ||
+           (mirrored && mirror_cancels(g));
+}
+
+/* Angles from unit vectors. Products with a normal of +z are exact, so that leaving them out changes no bit. */
+static void angles_of_units(const double l[3], const double v[3], const double *n, struct geometry_angles *out)
+{
+    double h[3] = {l[0] + v[0], l[1] + v[1], l[2] + v[2]}, cross[3], cos_half, sine2;
+
+    if (!n) {
+        cos_half = h[2]; /* times |h| */
+        sine2 = h[1] * h[1] + h[0] * h[0];
+        out->cos_light = l[2];
+        out->cos_view = v[2];
+    } else {
+        cross[0] = n[1] * h[2] - n[2] * h[1];
+        cross[1] = n[2] * h[0] - n[0] * h[2];
+        cross[2] = n[0] * h[1] - n[1] * h[0];
+        cos_half = dot3(n, h);
+        sine2 = dot3(cross, cross);
+        out->cos_light = dot3(n, l);
+        out->cos_view = dot3(n, v);
+    }
+    out->tan2_half = sine2 / (cos_half * cos_half);
+    out->cos_difference = 0.5 * sqrt(dot3(h, h)); /* |l + v| = 2 cos(theta_d) for unit vectors */
+}
+
+static brdffit_status angles_of_directions(const brdffit_samples *s, size_t i, int mirrored,
+                                           struct geometry_angles *out, brdffit_error *error)
+{
+    double l[3], v[3], n[3];
 
     if (!unit_vector(s->light + 3 * i, l)) {
         return vector_error(error, s->light + 3 * i, "light direction is not finite or has no length", i);
@@ -115,18 +156,12 @@ static brdffit_status angles_of_directions(const brdffit_samples *s, size_t i, s
     if (s->normal && !unit_vector(s->normal + 3 * i, n)) {
         return vector_error(error, s->normal + 3 * i, "normal is not finite or has no length", i);
     }
-    h[0] = l[0] + v[0];
-    h[1] = l[1] + v[1];
-    h[2] = l[2] + v[2];
-    cross[0] = n[1] * h[2] - n[2] * h[1];
-    cross[1] = n[2] * h[0] - n[0] * h[2];
-    cross[2] = n[0] * h[1] - n[1] * h[0];
-    cos_half = dot3(n, h); /* times |h| */
-    length = sqrt(dot3(h, h));
-    out->cos_light = dot3(n, l);
-    out->cos_view = dot3(n, v);
-    out->tan2_half = dot3(cross, cross) / (cos_half * cos_half);
-    out->cos_difference = 0.5 * length; /* |l + v| = 2 cos(theta_d) for unit vectors */
+    angles_of_units(l, v, s->normal ? n : NULL, out);
+    out->accurate = 0;
+    if (cancels(out, s->normal != NULL, mirrored)) {
+        brdffit_geometry_accurate(s->light + 3 * i, s->view + 3 * i, s->normal ? s->normal + 3 * i : NULL, out);
+    }
+    rounding_of_directions(out, s->normal != NULL);
     return BRDFFIT_OK;
 }
 
@@ -137,6 +172,7 @@ static brdffit_status angles_given(const brdffit_samples *s, size_t i, struct ge
     out->cos_view = s->cos_view[i];
     out->tan2_half = s->tan2_half[i];
     out->cos_difference = s->cos_difference[i];
+    rounding_of_angles(out);
     if (!(fabs(out->cos_light) <= 1.0)) {
         return brdffit_fail_at(error, "cos_light is not in [-1, 1]", i, BRDFFIT_NONE, out->cos_light);
     }
@@ -158,6 +194,7 @@ static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, str
     out->b = s->b[i];
     out->c = s->c[i];
     out->cos_light = 1.0;
+    out->light_error = out->b_error = out->c_error = out->b_hidden = out->c_hidden = 0.0;
     if (!(out->a >= 0.0 && isfinite(out->a))) {
         return brdffit_fail_at(error, "a is not finite and >= 0", i, BRDFFIT_NONE, out->a);
     }
@@ -173,6 +210,7 @@ static brdffit_status coefficients_given(const brdffit_samples *s, size_t i, str
 brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribution distribution, double min_cosine,
                                      size_t i, struct geometry *out, brdffit_status *status, brdffit_error *error)
 {
+    const struct lobe_kind *kind = brdffit_lobe_kind_of(distribution);
     struct geometry_angles *angles = &out->angles;
 
     *status = BRDFFIT_OK;
@@ -187,7 +225,7 @@ brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribut
         *status = coefficients_given(s, i, out, error);
         return BRDFFIT_SKIP_COUNT;
     }
-    *status = s->form == BRDFFIT_FORM_DIRECTIONS ? angles_of_directions(s, i, angles, error)
+    *status = s->form == BRDFFIT_FORM_DIRECTIONS ? angles_of_directions(s, i, kind->mirrored, angles, error)
                                                  : angles_given(s, i, angles, error);
     if (*status != BRDFFIT_OK) {
         return BRDFFIT_SKIP_COUNT;
@@ -203,6 +241,8 @@ brdffit_skip brdffit_geometry_sample(const brdffit_samples *s, brdffit_distribut
     }
     out->a = angles->cos_light / PI;
     out->cos_light = angles->cos_light;
-    brdffit_lobe_kind_of(distribution)->row(angles, out);
+    out->light_error = angles->light_error + 2.0 * TOL_UNIT;
+    out->b_hidden = out->c_hidden = 0.0;
+    kind->row(angles, out);
     return BRDFFIT_SKIP_COUNT;
 }

@@ -1,5 +1,5 @@
 /*
- * Samples to the coefficients (a, b, c) of the model, and which samples count.
+ * Samples to the coefficients (a, b, c) of the model, how well they are known, and which samples count.
  * SPDX-License-Identifier: MIT
  */
 #ifndef BRDFFIT_GEOMETRY_H
@@ -7,17 +7,31 @@
 
 #include "brdffit.h"
 
-/* What a distribution's row of geometry is made from. */
+/* What a distribution's row of geometry is made from, and how far each may be off (rounding.h). */
 struct geometry_angles {
     double cos_light;      /* n.l */
     double cos_view;       /* n.v */
     double tan2_half;      /* tan^2 alpha */
     double cos_difference; /* v.h */
+    double off_mirror;     /* 1 - r.v, r the mirrored light; not 0 only where `accurate` */
+    double mirror;         /* r.v, likewise */
+    int accurate;          /* off_mirror and mirror are there */
+    double light_error, view_error, difference_error; /* relative, of the cosines */
+    double tangent_error, tan2_error; /* absolute, of tan alpha and its square */
+    double mirror_error;   /* absolute, of |r - v| */
 };
 
+/*
+ * The true coefficients a (1 + e), b (1 + e), c + e have errors e within the bounds given here. Where even the sign of r.v
+ * is not known, b is 0 and the true lobe is anything from 0 to b_hidden lambda(s) phi(s, c_hidden); else b_hidden is 0.
+ */
 struct geometry {
     double a, b, c;
-    double cos_light; /* f_r to radiance; 1 for given coefficients */
+    double cos_light;   /* f_r to radiance; 1 for given coefficients */
+    double light_error; /* relative, of cos_light and a */
+    double b_error;     /* relative */
+    double c_error;     /* absolute */
+    double b_hidden, c_hidden;
     struct geometry_angles angles; /* what they come from; not set for given coefficients */
 };
 
@@ -34,5 +48,9 @@ brdffit_skip brdffit_geometry_sample(const brdffit_samples *samples, brdffit_dis
 
 /* Cosine to compare n.l with, from degrees; 0 switches the test off. */
 double brdffit_geometry_min_cosine(double max_incidence);
+
+/* The angles of directions that cancel, in double-double arithmetic (accurate.c). normal: NULL for +z. */
+void brdffit_geometry_accurate(const double *light, const double *view, const double *normal,
+                               struct geometry_angles *out);
 
 #endif

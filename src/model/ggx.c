@@ -1,6 +1,9 @@
 /*
  * GGX (Walter et al. 2007) in the geometry of Cook and Torrance: s = 1 / sigma^2, g = b s (1 + c s)^-2.
- * theory 4.4 has its phi and why it may be used: see lobe.h. SPDX-License-Identifier: MIT
+ * theory 4.4 has its phi and why it may be used: see lobe.h.
+ *
+ * Condition. That of cook_torrance.h; but an error of c counts 2 s / (1 + c s) times, at most 2 / c: GGX lobes forget what
+ * they do not resolve. SPDX-License-Identifier: MIT
  */
 #include <math.h>
 #include "base/exp.h"
@@ -79,6 +82,11 @@ static double exponent(double c_min, double s)
     return 2.0 * kernel_log(1.0 + c_min * s);
 }
 
+static double sensitivity(double s, double c)
+{
+    return 2.0 * s / (1.0 + c * s);
+}
+
 const struct lobe_kind brdffit_lobe_ggx = {
     .name = "ggx",
     .row = brdffit_cook_torrance_row,
@@ -93,4 +101,5 @@ const struct lobe_kind brdffit_lobe_ggx = {
     .phi = phi,
     .exponent = exponent,
     .tail = tail,
+    .sensitivity = sensitivity,
 };

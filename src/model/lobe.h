@@ -37,10 +37,12 @@ struct lobe_kind {
     const char *name;
     int by_exponent; /* the user's parameter is the exponent n = s, and not sigma = 1 / sqrt(s) */
     int exponential; /* the fast case: ell = -c' whatever u is, and slope = 0 */
+    int mirrored;    /* b and c are made of r.v, and not of alpha */
 
     /* ---- geometry ---- */
 
-    /* out->b and out->c; both cosines are above LIMIT_GRAZING. Distributions with the same function share their sums. */
+    /* out->b and out->c with their errors; both cosines are above LIMIT_GRAZING. Distributions with the same function share
+     * their sums. */
     void (*row)(const struct geometry_angles *angles, struct geometry *out);
 
     /* b of a table's row is table_factor(cos^2 alpha) times what table_kind says; NULL: 1. */
@@ -81,6 +83,9 @@ struct lobe_kind {
      * every j > 0, so that nothing changes to rounding. 0 when nothing ever changes (m = 1).
      */
     double (*tail)(const double *c, const double *bb, size_t m, double c_min);
+
+    /* -d ln g / dc at (s, c): what an error of c does to g. Does not rise with c. */
+    double (*sensitivity)(double s, double c);
 };
 
 extern const struct lobe_kind brdffit_lobe_beckmann, brdffit_lobe_ggx, brdffit_lobe_torrance_sparrow, brdffit_lobe_ward,

@@ -44,7 +44,7 @@ const char *brdffit_parameter_string(brdffit_distribution distribution)
 int brdffit_geometry_table_row(brdffit_distribution distribution, double tan2_half, struct geometry_table_row *out)
 {
     const struct lobe_kind *kind = brdffit_lobe_kind_of(distribution);
-    struct geometry_angles angles = {1.0, 1.0, tan2_half, 1.0};
+    struct geometry_angles angles = {.cos_light = 1.0, .cos_view = 1.0, .tan2_half = tan2_half, .cos_difference = 1.0};
     double cos2 = cos2_half(&angles);
     struct geometry row;
 

@@ -38,6 +38,7 @@ static void add_kind(struct model *m, const struct lobe_kind *kind)
     m->geometry[m->kinds] = geometry;
     if (geometry == m->geometries) {
         m->shown_by[m->geometries++] = m->kinds;
+        m->lead = kind->mirrored ? geometry : m->lead;
     }
     m->kinds++;
 }
@@ -57,7 +58,7 @@ void brdffit_model_make(struct model *m, const brdffit_options *o)
 {
     int kind, p;
 
-    m->lobes = m->sides = m->kinds = m->geometries = 0;
+    m->lobes = m->sides = m->kinds = m->geometries = m->lead = 0;
     m->columns = COLUMNS_FIXED;
     for (p = 0; p < o->lobes; p++) {
         const struct lobe_kind *wanted = brdffit_lobe_kind_of(brdffit_model_asked(o, p));
@@ -75,4 +76,14 @@ void brdffit_model_make(struct model *m, const brdffit_options *o)
             }
         }
     }
+}
+
+brdffit_distribution brdffit_model_lead(const struct model *m)
+{
+    int p = 0;
+
+    while (m->geometry[m->lobe[p].kind] != m->lead) {
+        p++;
+    }
+    return m->distribution[p];
 }

@@ -29,15 +29,19 @@ struct model_lobe {
 
 struct model {
     int lobes, sides, columns, kinds, geometries;
+    int lead; /* the geometry that samples are looked at with: one that asks for the mirror direction, where there is one */
     const struct lobe_kind *kind[KINDS_MOST];
-    int geometry[KINDS_MOST];  /* of each kind: index of its row of b and c */
-    int shown_by[KINDS_MOST];  /* of each geometry: a kind that has it */
+    int geometry[KINDS_MOST]; /* of each kind: index of its row of b and c */
+    int shown_by[KINDS_MOST]; /* of each geometry: a kind that has it */
     brdffit_distribution distribution[BRDFFIT_MAX_LOBES]; /* of each lobe */
     struct model_lobe lobe[BRDFFIT_MAX_LOBES];
 };
 
 /* From checked options. Lobes are ordered by kind, kinds by their first mention. */
 void brdffit_model_make(struct model *model, const brdffit_options *options);
+
+/* A distribution of the leading geometry. */
+brdffit_distribution brdffit_model_lead(const struct model *model);
 
 /* The distribution of lobe p as the options name it. */
 brdffit_distribution brdffit_model_asked(const brdffit_options *options, int p);

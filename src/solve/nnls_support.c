@@ -67,7 +67,8 @@ const struct nnls_support *brdffit_nnls_factored(const struct nnls *nnls, unsign
  * Solve the support for t; z has one entry a column of the support. Returns the squared norm of what is left of t,
  * from the rest itself: where data are fitted exactly, supports whose projections agree to rounding differ in it.
  */
-static inline double support_solve(const struct nnls_support *s, const double *t, int columns, double *z)
+static inline __attribute__((always_inline)) double support_solve(const struct nnls_support *s, const double *t,
+                                                                  int columns, double *z)
 {
     double rest[NNLS_COLUMNS], left = 0.0;
     int i, j, k;
@@ -96,8 +97,8 @@ static inline double support_solve(const struct nnls_support *s, const double *t
     return left;
 }
 
-/* Best feasible support for t of all; writes unit-column coefficients. */
-unsigned brdffit_nnls_enumerate(const struct nnls *nnls, const double *t, double *unit)
+static inline __attribute__((always_inline)) unsigned enumerate(const struct nnls *nnls, const double *t, double *unit,
+                                                                const int columns)
 {
     struct nnls_support room;
     unsigned bits, chosen = 0;
@@ -106,9 +107,11 @@ unsigned brdffit_nnls_enumerate(const struct nnls *nnls, const double *t, double
 
     for (j = 0; j < NNLS_COLUMNS; j++) {
         unit[j] = 0.0;
-        least += j < nnls->columns ? t[j] * t[j] : 0.0;
     }
-    for (bits = 1; bits < 1u << nnls->columns; bits++) {
+    for (j = 0; j < columns; j++) {
+        least += t[j] * t[j];
+    }
+    for (bits = 1; bits < 1u << columns; bits++) {
         const struct nnls_support *s = brdffit_nnls_factored(nnls, bits, &room);
         double z[NNLS_COLUMNS];
         double left;
@@ -117,14 +120,14 @@ unsigned brdffit_nnls_enumerate(const struct nnls *nnls, const double *t, double
         if (!feasible) {
             continue;
         }
-        left = support_solve(s, t, nnls->columns, z);
+        left = support_solve(s, t, columns, z);
         for (j = 0; j < s->count; j++) {
             feasible = feasible && z[j] > 0.0;
         }
         if (feasible && left < least) {
             least = left;
             chosen = bits;
-            for (j = 0; j < NNLS_COLUMNS; j++) {
+            for (j = 0; j < columns; j++) {
                 unit[j] = 0.0;
             }
             for (j = 0; j < s->count; j++) {
@@ -133,6 +136,16 @@ unsigned brdffit_nnls_enumerate(const struct nnls *nnls, const double *t, double
         }
     }
     return chosen;
+}
+
+/* Best feasible support for t of all; writes unit-column coefficients. Unrolled where most of the fits are. */
+unsigned brdffit_nnls_enumerate(const struct nnls *nnls, const double *t, double *unit)
+{
+    switch (nnls->columns) {
+    case 2: return enumerate(nnls, t, unit, 2);
+    case 3: return enumerate(nnls, t, unit, 3);
+    default: return enumerate(nnls, t, unit, nnls->columns);
+    }
 }
 
 double brdffit_nnls_support_solve(const struct nnls_support *s, const double *t, int columns, double *z)

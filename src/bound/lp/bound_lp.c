@@ -151,8 +151,9 @@ static double solve(struct bound_lp *e, double target)
 double brdffit_bound_lp(struct bound_lp *e, struct box *box, struct point *met)
 {
     const struct varpro *v = e->restricted->varpro;
-    double target = box->bound, reachable = 0.0;
+    double target = box->bound, reachable = 0.0, low[SIDES_MOST], high[SIDES_MOST], charged;
     struct varpro_value value;
+    struct doubt doubt;
     struct lp_data program;
     size_t k;
     int p;
@@ -160,11 +161,15 @@ double brdffit_bound_lp(struct bound_lp *e, struct box *box, struct point *met)
     for (p = 0; p < v->model->lobes; p++) {
         const struct axis *axis = &e->axis[v->model->lobe[p].kind];
         const struct axis_interval *i = &axis->interval[box->interval[p]];
-        double low = axis->coordinate[i->low], high = axis->coordinate[i->high];
 
-        met->theta[p] = 0.5 * (low + high);
-        brdffit_bound_lp_lobe(e, p, low, met->theta[p], high);
+        low[p] = axis->coordinate[i->low];
+        high[p] = axis->coordinate[i->high];
+        met->theta[p] = 0.5 * (low[p] + high[p]);
+        brdffit_bound_lp_lobe(e, p, low[p], met->theta[p], high[p]);
     }
+    doubt = brdffit_charge_box(v->data, v->model, low, high);
+    charged = target + (doubt.error + doubt.hidden) * v->data->table[0].charge.root * (1.0 + 16.0 * TOL_UNIT);
+    charged *= 1.0 + 16.0 * TOL_UNIT; /* what pays for the target */
     box->split = 0;
     for (p = 1; p < v->model->lobes; p++) {
         box->split = e->lobe[p].change > e->lobe[box->split].change ? (uint32_t)p : box->split;
@@ -179,7 +184,7 @@ double brdffit_bound_lp(struct bound_lp *e, struct box *box, struct point *met)
     if (e->cheap && isfinite(target) && reachable <= target) {
         e->decided++; /* no program could close it */
     } else {
-        box->bound = solve(e, target);
+        box->bound = brdffit_charge_pay(v->data, &doubt, solve(e, charged));
     }
     return value.objective;
 }

@@ -42,6 +42,7 @@ void brdffit_bound_moment_start(struct bound_moment *e, const struct reduced *da
 
     e->model = model;
     e->axis = axis;
+    brdffit_payment_start(&e->payment, data, model);
     brdffit_moments_start(&e->moments, data, model, kernels);
     for (kind = 0; kind < model->kinds; kind++) {
         brdffit_intervals_start(&e->intervals[kind], &e->moments, kind);
@@ -84,7 +85,8 @@ const struct interval *brdffit_bound_moment_side(struct bound_moment *e, int kin
     return refined_side(e, kind, index, useful < depth ? useful : depth);
 }
 
-double brdffit_bound_moment_objective(const struct bound_moment *e, double gain)
+/* Lower bound of E^2 of the columns that are there; never below 0, which is always true. */
+static double objective_below(const struct bound_moment *e, double gain)
 {
     double bound = e->moments.data->total - gain - e->moments.slack;
 
@@ -338,9 +340,9 @@ INSTANCE double bound_view(const struct view *v, struct box *box, double cutoff,
         if (make_constant(v, &safe, S)) {
             kernels->gains[S - 1](&safe, 1, gain);
         }
-        box->bound = brdffit_bound_moment_objective(v->engine, largest_of(gain, GAINS(S)));
+        box->bound = objective_below(v->engine, largest_of(gain, GAINS(S)));
         if (!(box->bound >= cutoff)) {
-            box->bound = brdffit_bound_moment_objective(v->engine, kernels->box_maximum[S - 1](gain, lift));
+            box->bound = objective_below(v->engine, kernels->box_maximum[S - 1](gain, lift));
         }
     }
     return best;
@@ -384,18 +386,53 @@ INSTANCE double bound_sides(struct bound_moment *e, struct box *box, struct poin
         return best;
     }
     if (S == 1 || !narrow(&v, S)) {
-        box->bound = larger(vertex, brdffit_bound_moment_objective(e, monotone(&v, S)));
+        box->bound = larger(vertex, objective_below(e, monotone(&v, S)));
     }
     /* Split the side whose shift costs most at a corner; the widest one where the chord is useless. */
     box->split = chords && vertex == box->bound ? most_lifted(lift, S) : widest(&v, S);
     return best;
 }
 
-double brdffit_bound_moment(struct bound_moment *e, struct box *box, struct point *met)
+/* What the geometry's rounding costs this box. */
+static struct doubt box_doubt(const struct bound_moment *e, const struct box *box)
+{
+    double low[SIDES_MOST], high[SIDES_MOST];
+    int p;
+
+    for (p = 0; p < e->model->sides; p++) {
+        const struct axis *axis = &e->axis[e->model->lobe[p].kind];
+        const struct axis_interval *i = &axis->interval[box->interval[p]];
+
+        low[p] = axis->coordinate[i->low];
+        high[p] = axis->coordinate[i->high];
+    }
+    return brdffit_charge_box(e->moments.data, e->model, low, high);
+}
+
+static double bound_box(struct bound_moment *e, struct box *box, struct point *met)
 {
     switch (e->model->sides) {
     case 1: return bound_sides(e, box, met, 1);
     case 2: return bound_sides(e, box, met, 2);
     default: return bound_sides(e, box, met, 3);
     }
+}
+
+/* Inside, bounds are those of the columns that are there, and so is what closes the box. */
+double brdffit_bound_moment(struct bound_moment *e, struct box *box, struct point *met)
+{
+    double best;
+    struct doubt doubt;
+
+    if (e->payment.doubt >= 0.0) {
+        box->bound = brdffit_payment_raise(&e->payment, box->bound);
+        best = bound_box(e, box, met);
+        box->bound = brdffit_payment_pay(&e->payment, box->bound);
+        return best;
+    }
+    doubt = box_doubt(e, box);
+    box->bound = brdffit_charge_raise(e->moments.data, &doubt, box->bound);
+    best = bound_box(e, box, met);
+    box->bound = brdffit_charge_pay(e->moments.data, &doubt, box->bound);
+    return best;
 }

@@ -13,6 +13,7 @@ struct bound_moment {
     struct axis *axis; /* one a kind; refinement of an interval splits it ahead of the search */
     struct moments moments;
     struct intervals intervals[KINDS_MOST];
+    struct payment payment; /* for the rounding of the geometry */
 };
 
 void brdffit_bound_moment_layout(struct bound_moment *engine, struct arena *arena, size_t count, size_t channels,
@@ -23,9 +24,6 @@ void brdffit_bound_moment_start(struct bound_moment *engine, const struct reduce
 
 /* What is known of one interval of a kind's axis, refined by its halves, `depth` levels of them at most, where that pays. */
 const struct interval *brdffit_bound_moment_side(struct bound_moment *engine, int kind, uint32_t index, int depth);
-
-/* Lower bound of E^2 from an upper bound of J; never below 0, which is always true. */
-double brdffit_bound_moment_objective(const struct bound_moment *engine, double gain);
 
 /* bound() of struct engine; self is a struct bound_moment. */
 double brdffit_bound_moment(struct bound_moment *engine, struct box *box, struct point *met);

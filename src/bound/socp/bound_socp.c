@@ -174,13 +174,14 @@ struct view {
     double paid;     /* sum_p e_p sum_k z_kp at its optimum: feasible slack of Problem 5 */
     double at_most;  /* the same at the limits of z: no optimum of the box can gain more */
     double rounding; /* of columns, triangle, data and their reduction to rows: absolute, of the root */
+    struct doubt doubt; /* of the geometry */
 };
 
 static void open_view(struct bound_socp *e, const struct box *box, struct view *view)
 {
     struct varpro *v = e->varpro;
     struct varpro_value value;
-    double limits = 0.0;
+    double limits = 0.0, low[SIDES_MOST], high[SIDES_MOST];
     size_t k;
     int p;
 
@@ -188,11 +189,13 @@ static void open_view(struct bound_socp *e, const struct box *box, struct view *
     for (p = 0; p < v->model->lobes; p++) {
         const struct axis *axis = &e->axis[v->model->lobe[p].kind];
         const struct axis_interval *i = &axis->interval[box->interval[p]];
-        double low = axis->coordinate[i->low], high = axis->coordinate[i->high];
 
-        view->centre.theta[p] = 0.5 * (low + high);
-        view->lobe[p] = deviation(e, p, low, view->centre.theta[p], high);
+        low[p] = axis->coordinate[i->low];
+        high[p] = axis->coordinate[i->high];
+        view->centre.theta[p] = 0.5 * (low[p] + high[p]);
+        view->lobe[p] = deviation(e, p, low[p], view->centre.theta[p], high[p]);
     }
+    view->doubt = brdffit_charge_box(v->data, v->model, low, high);
     brdffit_varpro_evaluate(v, &view->centre, 0, &value);
     e->evaluated++;
     view->root = sqrt(value.objective);
@@ -276,19 +279,20 @@ static void fill_program(struct bound_socp *e, const struct view *view)
 }
 
 /* Lower bound of the objective from one of its root. */
-static double squared(double root)
+static double squared(const struct bound_socp *e, const struct view *view, double root)
 {
-    return (1.0 - TOL_CURVATURE) * root * root;
+    return brdffit_charge_pay(e->varpro->data, &view->doubt, (1.0 - TOL_CURVATURE) * root * root);
 }
 
 /*
  * Whether the solver's word did not become a proof: it failed, or was not sure, or claims an optimum that would close
  * the box. (A program without a finite optimum is a wide box's answer: nothing to discard.)
  */
-static int is_refused(const struct socp_result *result, double paid, double target)
+static int is_refused(const struct bound_socp *e, const struct view *view, const struct socp_result *result,
+                      double target)
 {
     return (result->outcome != SOCP_OPTIMAL && result->outcome != SOCP_DUAL_INFEASIBLE) ||
-           (result->primal > paid && squared(result->primal - paid) >= target);
+           (result->primal > view->paid && squared(e, view, result->primal - view->paid) >= target);
 }
 
 /* Root of the objective, from below, proven; 0 when there is no certificate. */
@@ -309,8 +313,8 @@ static double solve(struct bound_socp *e, const struct view *view, double target
     }
     bound = brdffit_socp_certified_bound(&e->program, &data, e->lower, e->upper, e->z) - view->paid - view->rounding;
     bound = bound > 0.0 ? bound : 0.0;
-    if (!(squared(bound) >= target)) {
-        e->refused += is_refused(&result, view->paid, target) ? 1 : 0;
+    if (!(squared(e, view, bound) >= target)) {
+        e->refused += is_refused(e, view, &result, target) ? 1 : 0;
     }
     return bound;
 }
@@ -328,11 +332,11 @@ double brdffit_bound_socp(struct bound_socp *e, struct box *box, struct point *m
         box->split = view.lobe[p].size > view.lobe[box->split].size ? (uint32_t)p : box->split;
     }
     root = fmax(0.0, view.root - view.at_most - view.rounding);
-    if (e->cheap && (squared(root) >= target || view.root - view.paid <= sqrt(target))) {
+    if (e->cheap && (squared(e, &view, root) >= target || view.root - view.paid <= sqrt(target))) {
         e->decided++; /* proven by the triangle inequality, or no program could prove it */
     } else {
         root = fmax(root, solve(e, &view, target));
     }
-    box->bound = squared(root);
+    box->bound = squared(e, &view, root);
     return view.root * view.root;
 }
