@@ -358,8 +358,8 @@ typedef struct brdffit_result {
     double rms_total;            /* sqrt(sum w r^2 / (K sum w)) over all channels, whatever the norm; units that were
                                     minimised */
     double e2;                   /* E^2 of `model` as it is published, sigma, x and y in doubles, on the samples */
-    double e2_error;             /* how far e2 may be from that, proven: by rounding (some 1e-14 sqrt(e2
-                                    sum_of_squares)), and by what brdffit_fit_sums() does not know */
+    double e2_error;             /* how far e2 may be from that, proven: by rounding, of directions too (some
+                                    1e-13 sqrt(e2 sum_of_squares)), and by what brdffit_fit_sums() does not know */
     double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
     double gap;                  /* e2 - lower_bound, >= 0 */
     double sum_of_squares;       /* E^2 of the zero model */

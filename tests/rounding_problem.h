@@ -190,13 +190,13 @@ static inline quad least_squares(const struct columns *m, int n)
 /* s of lobe p as the reported sigma says it. */
 static inline quad reported_s(const brdffit_result *r, int p)
 {
-    return 1 / ((quad)r->model.sigma[p] * r->model.sigma[p]);
+    return 1 / ((quad)r->model->sigma[p] * r->model->sigma[p]);
 }
 
 /* Objective at the reported parameters. */
 static inline quad at_model(const struct reading *r, const struct problem *p, const brdffit_result *result)
 {
-    quad z[3] = {result->model.x[0] / r->scale};
+    quad z[3] = {result->model->x[0] / r->scale};
     struct columns m;
     int j;
 
@@ -205,7 +205,7 @@ static inline quad at_model(const struct reading *r, const struct problem *p, co
         quad s = reported_s(result, j);
 
         columns_at(&m, j, p->options.distribution, s, 0);
-        z[1 + j] = result->model.y[j] * oracle_lambda(p->options.distribution, s) / r->scale;
+        z[1 + j] = result->model->y[j] * oracle_lambda(p->options.distribution, s) / r->scale;
     }
     return objective(&m, p->options.norm, 1 + p->options.lobes, z);
 }
@@ -273,7 +273,7 @@ static inline void check_bound(const struct problem *p, const brdffit_result *re
     if ((quad)result->lower_bound > least * (1 + (quad)1e-25)) {
         fail_msg("%s, %s: lower bound %.17g of e2 %.17g is above %.17g, by %g of it (sigma %.17g)",
                  brdffit_distribution_string(p->options.distribution), what, result->lower_bound, result->e2,
-                 (double)least, (double)(result->lower_bound / least - 1), result->model.sigma[0]);
+                 (double)least, (double)(result->lower_bound / least - 1), result->model->sigma[0]);
     }
 }
 

@@ -20,7 +20,7 @@
 static void check_fit(struct brdffit_test_random *random, const struct problem *p, int moves, int exact, int *certified)
 {
     static struct reading r;
-    brdffit_result *result;
+    const brdffit_result *result;
     brdffit_error error;
     brdffit_status status = brdffit_fit_new(&p->samples, &p->options, &result, &error);
     quad e2;
@@ -45,7 +45,7 @@ static void check_fit(struct brdffit_test_random *random, const struct problem *
         read_doubles(random, p, TOL_ANGLE, &r);
         check_bound(p, result, &r, "moved");
     }
-    brdffit_fit_free(result);
+    brdffit_result_free(result);
 }
 
 /* ---- Lafortune at 90 degrees ------------------------------------------------------------------------------------ */
@@ -88,7 +88,7 @@ static void lafortune_case(struct problem *p, struct reading *degrees, double at
 
 static void check_lafortune(struct brdffit_test_random *random, struct problem *p, struct reading *degrees)
 {
-    brdffit_result *result;
+    const brdffit_result *result;
     brdffit_error error;
     struct reading zero;
     size_t i;
@@ -109,7 +109,7 @@ static void check_lafortune(struct brdffit_test_random *random, struct problem *
         zero.view[i][0] += (quad)2e-15 * zero.view[i][2];
     }
     check_bound(p, result, &zero, "as degrees, away from it");
-    brdffit_fit_free(result);
+    brdffit_result_free(result);
     check_fit(random, p, 2, 0, &certified);
 }
 

@@ -140,7 +140,7 @@ static void test_eval(void **state)
         brdffit_distribution d = (brdffit_distribution)brdffit_test_below(&random, BRDFFIT_DISTRIBUTION_COUNT);
         double x = brdffit_test_uniform(&random, 0.0, 1.0), y = brdffit_test_uniform(&random, 0.0, 1.0), out;
         double sigma = d < BRDFFIT_BLINN_PHONG || i % 2 ? power(&random, -3.0, 0.5) : power(&random, -1.0, 1.0);
-        brdffit_model model = {.distribution = d, .lobes = 1, .channels = 1, .sigma = {sigma}, .x = &x, .y = &y};
+        brdffit_model model;
         brdffit_status status;
         brdffit_samples samples;
         struct geometry g;
@@ -148,6 +148,13 @@ static void test_eval(void **state)
         struct oracle_row row;
         quad lobe, most, change, exponent, concentration = 1 / ((quad)sigma * sigma);
 
+        brdffit_model_init(&model);
+        model.distribution = d;
+        model.lobes = 1;
+        model.channels = 1;
+        model.sigma = &sigma;
+        model.x = &x;
+        model.y = &y;
         make_scene(&random, &s);
         samples_of(&s, &samples);
         assert_int_equal(brdffit_eval(&model, &samples, &out, NULL), BRDFFIT_OK);

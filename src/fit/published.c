@@ -15,12 +15,15 @@
  *
  * and by what triangles did to it, so that a channel's |r| is off by at most |d| in the same norm (Minkowski), and
  * E^2 = sum |r|^2 by at most sum 2 |r| |d| + |d|^2. Sums of norms l1 and linf are compensated, their own rounding is within
- * TOL_PUBLISHED; of l2, d is taken by norms.
+ * TOL_PUBLISHED; of l2, d is taken by norms. What the rounding of directions does to the model is added as a box of this one point is charged
+ * for it (charge.h).
  */
 #include "fit/published.h"
 
+#include <float.h>
 #include <math.h>
 
+#include "base/log.h"
 #include "base/tolerance.h"
 #include "base/vector.h"
 #include "data/reduce_parts.h"
@@ -62,7 +65,8 @@ static double in_data_units(const struct fit *f, const struct nnls_answer *answe
         return 0.0;
     }
     z = wide_times(wide_times(wide_of(answer->unit[j]), wide_of(answer->data_scale)), unit_of(f, k));
-    return wide_value(wide_over(wide_over(wide_over(z, wide_of(nnls->norm[j])), wide_of(nnls->scale[j])), factor));
+    z = wide_over(wide_over(wide_over(z, wide_of(nnls->norm[j])), wide_of(nnls->scale[j])), factor);
+    return fmin(DBL_MAX, wide_value(z));
 }
 
 /* And back. */
@@ -245,6 +249,21 @@ double brdffit_fit_triangle_error(const struct reduced *r)
            (double)((REDUCE_BLOCK + width) * width);
 }
 
+/* What the rounding of geometry makes of the objective. */
+static double geometry_error(const struct fit *f, const struct scales *v, double objective)
+{
+    double theta[BRDFFIT_MAX_LOBES], error;
+    struct doubt doubt;
+    int p;
+
+    for (p = 0; p < f->model.lobes; p++) {
+        theta[p] = kernel_log(v->s[p].high);
+    }
+    doubt = brdffit_charge_box(&f->data, &f->model, theta, theta);
+    error = (doubt.error + doubt.hidden) * f->data.table[0].charge.root;
+    return !(error > 0.0) ? 0.0 : f->norm == BRDFFIT_NORM_L2 ? (2.0 * sqrt(objective) + error) * error : error;
+}
+
 struct published brdffit_fit_publish(struct fit *f, const double *sigma)
 {
     struct published out = {.objective = 0.0};
@@ -268,6 +287,7 @@ struct published brdffit_fit_publish(struct fit *f, const double *sigma)
                     f->data.channel_scale[k];
     }
     out.error += f->rows_error * f->data.total + 4.0 * (double)f->data.channels * TOL_UNIT * out.objective;
+    out.error += geometry_error(f, &v, out.objective);
     return out;
 }
 
