@@ -298,13 +298,13 @@ typedef struct brdffit_model {
     brdffit_distribution distribution;
     int lobes;       /* P */
     size_t channels; /* K */
-    const double *sigma; /* P roughnesses; in a result ascending among lobes of one distribution; 1/sqrt(n) where the
-                            parameter is n */
+    const double *sigma; /* P roughnesses, in a result ascending among lobes of one distribution; 1/sqrt(n)
+                            where the parameter is n */
     const double *x;     /* K diffuse coefficients, in the data's units */
     const double *y;     /* K x P row-major specular coefficients, in the data's units;
                             y multiplies lambda(s) exp(-c s) b: the paper's scaling */
-    const brdffit_distribution *distributions; /* P entries (always in a result), or NULL: `distribution` for every
-                                                  lobe */
+    const brdffit_distribution *distributions; /* P entries (always in a result), or NULL: `distribution`
+                                                  for every lobe */
 } brdffit_model;
 
 /* Set struct_size, one lobe, and zero or NULL elsewhere. NULL is fine: nothing happens. */
@@ -673,7 +673,7 @@ BRDFFIT_API brdffit_status brdffit_sums_add_row(brdffit_sums *sums, const brdffi
 /* Largest used radiance of a channel so far, 0 when none is positive. */
 BRDFFIT_API double brdffit_sums_largest(const brdffit_sums *sums, size_t channel);
 
-/* As brdffit_workspace_size(). */
+/* As brdffit_workspace_size(), for the groups that there are by now: it grows with them, up to all. */
 BRDFFIT_API size_t brdffit_sums_workspace_size(const brdffit_sums *sums, const brdffit_options *options);
 
 /*
