@@ -206,7 +206,8 @@ static void set_levels(const struct batch_fast *f, const struct batch_rules *rul
 }
 
 /* Whether the lobes beyond the last node, which are its lobe but for the doubt of the tail, are above the level. */
-static int tail_pays(const struct batch_fast *f, const struct batch_tile *tile, const struct tile_state *st, size_t lane)
+static int tail_pays(const struct batch_fast *f, const struct batch_tile *tile, const struct tile_state *st,
+                     size_t lane)
 {
     double gain = tile->gain[f->windows * LANES + lane], doubt = f->doubt_tail * sqrt(st->total[lane]);
     double left = st->rest[lane] - gain * (1.0 + 1e-9) - f->slack * st->total[lane];

@@ -52,6 +52,7 @@ void brdffit_charge_none(struct charge *c)
     c->hidden = c->hidden_c = c->hidden_data = 0.0;
     c->body = c->tail = c->root = c->step = 0.0;
     c->norm = BRDFFIT_NORM_L2;
+    c->lobes = 0;
 }
 
 /* A sum in the norm, term by term, and its end. */
@@ -67,8 +68,7 @@ static double root_of(double sum, brdffit_norm norm)
 
 /* ---- Groups ------------------------------------------------------------------------------------------------- */
 
-/* Errors of c; returns the first place without a lobe. */
-static size_t charge_groups(struct reduced *r)
+void brdffit_charge_groups(struct reduced *r)
 {
     struct charge *c = &r->charge;
     size_t place = 0, begin = 0, j = 0;
@@ -86,12 +86,12 @@ static size_t charge_groups(struct reduced *r)
         c->gamma[j++] = gamma;
         if (begin == 0) {
             c->reference = c->c[r->order[0]];
-            c->spread = place < 2                   ? 0.0
+            c->spread = place < 2                  ? 0.0
                         : r->c_min <= MIRROR_C_MIN ? c->joined + MIRROR_ROUNDING
                                                    : others + c->reference;
         }
     }
-    return place;
+    c->lobes = place;
 }
 
 /* What only the table needs: norms of b and of its errors, group by group, and over all. */
@@ -99,13 +99,12 @@ static void fill_norms(struct reduced *r)
 {
     struct charge *c = &r->charge;
     double all = 0.0, mean = 0.0, sum = 0.0;
-    size_t place = 0, end, j = 0;
+    size_t place = 0, j;
 
-    for (; place < r->used && isfinite(r->sample_c[r->order[place]]); place = end, j++) {
-        double off = 0.0, weight = 0.0;
+    for (j = 0; place < c->lobes; j++) {
+        double off = 0.0, weight = 0.0, here = r->sample_c[r->order[place]];
 
-        end = brdffit_reduce_group_end(r, place);
-        for (; place < end; place++) {
+        for (; place < c->lobes && r->sample_c[r->order[place]] == here; place++) {
             uint32_t i = r->order[place];
             double b = r->sample_b[i], share = c->norm == BRDFFIT_NORM_L2 ? b * b : b;
 
@@ -124,13 +123,13 @@ static void fill_norms(struct reduced *r)
 }
 
 /* Samples without a lobe, which may hide one: those with positive data. */
-static void charge_hidden(struct reduced *r, const brdffit_samples *samples, size_t begin, brdffit_norm norm)
+static void charge_hidden(struct reduced *r, const brdffit_samples *samples, brdffit_norm norm)
 {
     struct charge *c = &r->charge;
     double hidden = 0.0, data = 0.0, least = INFINITY;
     size_t place, k;
 
-    for (place = begin; place < r->used; place++) {
+    for (place = c->lobes; place < r->used; place++) {
         uint32_t i = r->order[place];
         int positive = 0;
 
@@ -175,19 +174,14 @@ static void charge_diffuse(struct reduced *r, const brdffit_samples *samples, br
     }
 }
 
-void brdffit_charge_groups(struct reduced *r)
-{
-    (void)charge_groups(r);
-}
-
 void brdffit_charge_samples(struct reduced *r, const brdffit_samples *samples, brdffit_norm norm)
 {
     struct charge *c = &r->charge;
-    size_t place = charge_groups(r);
 
+    brdffit_charge_groups(r);
     c->norm = norm;
     charge_diffuse(r, samples, norm);
-    charge_hidden(r, samples, place, norm);
+    charge_hidden(r, samples, norm);
 }
 
 /* ---- The domain --------------------------------------------------------------------------------------------- */
@@ -203,7 +197,7 @@ static double from_maxima(const struct reduced *r, const struct lobe_kind *kind,
         largest = larger(largest, r->bb[j]);
     }
     reach = largest > r->bb[0] ? 0.5 * kernel_log(largest / r->bb[0]) : 0.0;
-    reach += TAIL_EXPONENT + kernel_log((double)r->used);
+    reach += TAIL_EXPONENT + kernel_log((double)c->lobes);
     for (j = 1; j < r->distinct; j++) {
         double error = c->gamma[j] + c->reference;
 

@@ -25,7 +25,9 @@ struct reduced;
 #define CHARGE_CELLS 48
 
 struct charge {
-    double *light, *b, *c;      /* used samples: their errors (struct geometry). Of one with b = 0: b and c are what it hides */
+    double *light, *b,
+        *c;      /* used samples: their errors (struct geometry). Of one with b = 0: b and c are what it hides */
+    size_t lobes;               /* places of reduced.order that have one */
     double *gamma;              /* distinct c: largest error of c */
     double *off, *weight;       /* norms of errors of b, and of b; where the table needs them */
     double grazing;             /* largest relative error of n.l */

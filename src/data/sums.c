@@ -193,7 +193,8 @@ static void add_to_group(struct brdffit_sums *s, struct sums_pair *product, cons
 }
 
 /* What a sample without a lobe may hide (charge.c): only where some value is positive. */
-static void note_hidden(struct brdffit_sums *s, const struct geometry *g, double w, const double *value, double to_radiance)
+static void note_hidden(struct brdffit_sums *s, const struct geometry *g, double w, const double *value,
+                        double to_radiance)
 {
     int positive = 0;
     size_t k;

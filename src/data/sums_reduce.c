@@ -89,7 +89,8 @@ static void order_groups(const struct brdffit_sums *s, struct reduced *r, double
     for (g = 0; g < s->groups; g++) {
         /* A node that was made in vain, for a sample that was refused, is no c. */
         r->sample_c[g] = sums_value(sums_group(s, g) + SUMS_BB) > 0.0 ? s->c[g] : INFINITY;
-        r->sample_b[g] = sqrt(sums_value(sums_group(s, g) + SUMS_BB) / r->scale_w) / r->scale_b; /* charge, and two more */
+        r->sample_b[g] = sqrt(sums_value(sums_group(s, g) + SUMS_BB) / r->scale_w) /
+                         r->scale_b; /* charge, and two more */
         r->charge.b[g] = s->errors[g].b;
         r->charge.c[g] = s->errors[g].c;
         r->charge.relative = larger(r->charge.relative, s->errors[g].b);
