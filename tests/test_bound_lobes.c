@@ -27,7 +27,9 @@ static double largest_epsilon(const struct fit *f)
 
     for (kind = 0; kind < f->model.kinds; kind++) {
         for (i = 0; i < f->axis[kind].nodes; i++) {
-            if (f->moment.moments.kind[kind].ready[i]) {
+            const struct marks *ready = &f->moment.moments.kind[kind].ready;
+
+            if (i < ready->known && ready->on[i]) {
                 largest = fmax(largest, f->moment.moments.kind[kind].node[i].epsilon);
             }
         }

@@ -70,7 +70,7 @@ static void test_vanished_kind(void **state)
     static const brdffit_distribution list[2][2] = {{BRDFFIT_BECKMANN, BRDFFIT_GGX}, {BRDFFIT_GGX, BRDFFIT_BECKMANN}};
     static double a[12], b[12], c[12], values[12];
     brdffit_samples samples = brdffit_test_coefficients(12, 1, a, b, c, values);
-    brdffit_result *alone, *both;
+    const brdffit_result *alone, *both;
     brdffit_options options;
     size_t i;
     int order;
@@ -93,9 +93,9 @@ static void test_vanished_kind(void **state)
             fail_msg("lower bound %g, but GGX alone has %g (sum of squares %g)", both->lower_bound, alone->e2,
                      alone->sum_of_squares);
         }
-        brdffit_fit_free(both);
+        brdffit_result_free(both);
     }
-    brdffit_fit_free(alone);
+    brdffit_result_free(alone);
 }
 
 int main(void)
