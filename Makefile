@@ -72,6 +72,7 @@ CORE := $(call object,$(filter-out $(IO_SOURCES),$(sort $(wildcard src/*/*.c src
 IO := $(call object,$(IO_SOURCES) src/base/environment.c)
 CLI := $(call object,$(sort $(wildcard tools/brdffit/*.c)))
 GONIOMETER := $(call object,$(sort $(wildcard tools/goniometer/*.c)))
+EXAMPLES := $(sort $(wildcard examples/*.c))
 BENCH := $(sort $(wildcard tools/bench/bench_*.c))
 TESTS := $(sort $(wildcard tests/test_*.c))
 REFERENCES := $(sort $(wildcard tests/ref/*.c))
@@ -99,10 +100,11 @@ REFERENCE_PROGRAMS := $(REFERENCES:tests/%.c=$(BUILD)/tests/%)
 FUZZ_PROGRAMS := $(FUZZ:tests/%.c=$(BUILD)/tests/%)
 TOOLS := $(if $(CLI),$(BUILD)/brdffit) $(if $(GONIOMETER),$(BUILD)/goniometer)
 BENCH_PROGRAMS := $(call program,$(BENCH))
+EXAMPLE_PROGRAMS := $(EXAMPLES:%.c=$(BUILD)/%)
 
 # ---- Targets -----------------------------------------------------------------
 
-.PHONY: all libraries programs test-programs demo deps deps-check check check-build check-c check-scripts \
+.PHONY: all libraries programs examples test-programs demo deps deps-check check check-build check-c check-scripts \
         check-asan check-python check-docs docs install uninstall clean distclean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -114,10 +116,13 @@ libraries: $(STATIC) $(STATIC_IO) $(SHARED) $(SHARED_IO) $(PKGCONFIG)
 
 programs: $(TOOLS) $(BENCH_PROGRAMS)
 
+examples: $(EXAMPLE_PROGRAMS)
+
 test-programs: $(TEST_PROGRAMS) $(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS) $(CAMPAIGN)
 
 help:
 	@echo 'make             libraries and programs, in $(BUILD)/'
+	@echo 'make examples    programs of a page each that use the library, in $(BUILD)/examples/'
 	@echo 'make demo        install what is missing, build, fit the shipped example'
 	@echo 'make check       install what is missing, build, run every test (sanitizers included)'
 	@echo 'make check-asan  C tests and command line under AddressSanitizer and UBSan'
@@ -243,8 +248,12 @@ $(OBJ)/src/%.o: src/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 	@mkdir -p $(@D)
 	$(call say,CC,$<)$(COMPILE) -Isrc $(ISA_FLAGS) $(EXTRA) -c $< -o $@
 
-# Tools see the public headers only.
+# Tools and examples see the public headers only.
 $(OBJ)/tools/%.o: tools/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
+	@mkdir -p $(@D)
+	$(call say,CC,$<)$(COMPILE) -c $< -o $@
+
+$(OBJ)/examples/%.o: examples/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 	@mkdir -p $(@D)
 	$(call say,CC,$<)$(COMPILE) -c $< -o $@
 
@@ -290,6 +299,10 @@ $(BUILD)/goniometer: $(GONIOMETER) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
 
 $(BENCH_PROGRAMS): $(BUILD)/%: $(OBJ)/tools/bench/%.o $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
 	$(call say,LINK,$@)$(LINK) -o $@ $< $(STATIC_IO) $(STATIC) -lz -lm
+
+$(EXAMPLE_PROGRAMS): $(BUILD)/examples/%: $(OBJ)/examples/%.o $(STATIC) $(BUILD)/link.flags
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)$(LINK) -o $@ $< $(STATIC) -lm -pthread
 
 # A test that needs linker options says so in its source: a line with "LDFLAGS:" and the options.
 $(TEST_PROGRAMS): $(BUILD)/tests/%: $(OBJ)/tests/%.o $(TEST_SUPPORT) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
@@ -424,7 +437,7 @@ check-package:
 
 clean:
 	rm -rf $(BUILD)/obj $(BUILD)/obj-noecos $(BUILD)/tests $(BUILD)/asan $(BUILD)/ecos0 $(BUILD)/demo
-	rm -rf $(BUILD)/install $(BUILD)/whole $(BUILD)/python $(BUILD)/pycache $(BUILD)/pytest_cache
+	rm -rf $(BUILD)/examples $(BUILD)/grown $(BUILD)/install $(BUILD)/whole $(BUILD)/python $(BUILD)/pycache $(BUILD)/pytest_cache
 	rm -f $(BUILD)/libbrdffit* $(BUILD)/*.pc $(BUILD)/*.flags $(BUILD)/brdffit $(BUILD)/goniometer $(BUILD)/bench_*
 	rm -rf $(BUILD)/docs
 
@@ -434,4 +447,4 @@ distclean:
 # In this order. The Python package's sdist has none of them: it builds the library only.
 include $(wildcard tools/bench/peers.mk) $(wildcard tools/bench/bench.mk) $(wildcard tools/stress/stress.mk)
 
--include $(wildcard $(OBJ)/src/*/*.d $(OBJ)/src/*/*/*.d $(OBJ)/tools/*/*.d $(OBJ)/tests/*.d $(OBJ)/tests/*/*.d)
+-include $(wildcard $(OBJ)/src/*/*.d $(OBJ)/src/*/*/*.d $(OBJ)/tools/*/*.d $(OBJ)/examples/*.d $(OBJ)/tests/*.d $(OBJ)/tests/*/*.d)

@@ -62,6 +62,7 @@ def stage(source, build):
                                                for name in program_help.commands(build / "brdffit")))
     for name in ("RESULTS", "CHANGELOG"):
         (source / (name.lower() + ".md")).write_text(adopt((ROOT / (name + ".md")).read_text(encoding="utf-8")), encoding="utf-8")
+    shutil.copytree(ROOT / "examples", source / "examples")
     (source / "c").mkdir()
     for name, first in (("brdffit", "Version and limits"), ("brdffit_io", "Measurements")):
         text = (ROOT / "include" / (name + ".h")).read_text(encoding="utf-8")

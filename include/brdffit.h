@@ -298,13 +298,13 @@ typedef struct brdffit_model {
     brdffit_distribution distribution;
     int lobes;       /* P */
     size_t channels; /* K */
-    const double *sigma; /* P roughnesses; in a result ascending among lobes of one distribution; 1/sqrt(n) where the
-                            parameter is n */
+    const double *sigma; /* P roughnesses, in a result ascending among lobes of one distribution; 1/sqrt(n)
+                            where the parameter is n */
     const double *x;     /* K diffuse coefficients, in the data's units */
     const double *y;     /* K x P row-major specular coefficients, in the data's units;
                             y multiplies lambda(s) exp(-c s) b: the paper's scaling */
-    const brdffit_distribution *distributions; /* P entries (always in a result), or NULL: `distribution` for every
-                                                  lobe */
+    const brdffit_distribution *distributions; /* P entries (always in a result), or NULL: `distribution`
+                                                  for every lobe */
 } brdffit_model;
 
 /* Set struct_size, one lobe, and zero or NULL elsewhere. NULL is fine: nothing happens. */
@@ -364,8 +364,9 @@ typedef struct brdffit_result {
     double rms_total;            /* sqrt(sum w r^2 / (K sum w)) over all channels, whatever the norm; units that were
                                     minimised */
     double e2;                   /* E^2 of `model` as it is published, sigma, x and y in doubles, on the samples */
-    double e2_error;             /* how far e2 may be from that, proven: by rounding, of directions too (some
-                                    1e-13 sqrt(e2 sum_of_squares)), and by what brdffit_fit_sums() does not know */
+    double e2_error;             /* how far e2 may be from that, proven: by rounding (some 1e-14 sqrt(e2
+                                    sum_of_squares)), by Lafortune lobes where r.v may be 0,
+                                    and by what brdffit_fit_sums() does not know */
     double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
     double gap;                  /* e2 - lower_bound, >= 0 */
     double sum_of_squares;       /* E^2 of the zero model */
@@ -678,7 +679,7 @@ BRDFFIT_API brdffit_status brdffit_sums_add_row(brdffit_sums *sums, const brdffi
 /* Largest used radiance of a channel so far, 0 when none is positive. */
 BRDFFIT_API double brdffit_sums_largest(const brdffit_sums *sums, size_t channel);
 
-/* As brdffit_workspace_size(). */
+/* As brdffit_workspace_size(), for the groups that there are by now: it grows with them, up to all. */
 BRDFFIT_API size_t brdffit_sums_workspace_size(const brdffit_sums *sums, const brdffit_options *options);
 
 /*

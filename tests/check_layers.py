@@ -67,8 +67,8 @@ def check_includes(files, problems, edges):
 
 
 def unit(name):
-    """A file without its ending; instances of one body for several instruction sets are one."""
-    return re.sub(r"_(base|avx2|avx512|body)$", "", name.rsplit(".", 1)[0])
+    """A file without its ending; instances of one body for several instruction sets are one, beside the file that chooses."""
+    return re.sub(r"_(base|avx2|avx512|body)$", "_isa", name.rsplit(".", 1)[0])
 
 
 def symbols(objects):

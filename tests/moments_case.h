@@ -126,7 +126,7 @@ static inline void mc_new(struct moments_case *m, uint64_t seed)
 /* No lobe of the range has a finite coefficient: the fit drops them, and there is nothing to compare. */
 static inline int mc_without_lobes(const struct moments_case *m)
 {
-    return !(m->fit.data.table[0].bb[0] > 0.0);
+    return !(m->fit.data.table[0].bb[0] > 0.0) || m->fit.domain[0].flat < m->fit.domain[0].low;
 }
 
 static inline void mc_free(struct moments_case *m)

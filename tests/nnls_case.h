@@ -10,11 +10,12 @@
 #include <stdio.h>
 
 #define CASE_ROWS 12
+#define CASE_COLUMNS 7
 
 struct nnls_case {
     int rows, columns;
-    double column[3][CASE_ROWS], data[CASE_ROWS];
-    double column_scale[3], data_scale; /* powers of two that bring them to about 1 */
+    double column[CASE_COLUMNS][CASE_ROWS], data[CASE_ROWS];
+    double column_scale[CASE_COLUMNS], data_scale; /* powers of two that bring them to about 1 */
     const char *kind;
 };
 
@@ -123,6 +124,54 @@ static inline void nnls_case_make(struct nnls_case *c, uint64_t seed, int wide)
         }
     }
     for (j = 0; j < 3; j++) {
+        case_scale(c->column[j], c->rows, &c->column_scale[j], wide ? (int)(case_next(&s) % 999) - 499 : 0);
+    }
+    case_scale(c->data, c->rows, &c->data_scale, wide ? (int)(case_next(&s) % 999) - 499 : 0);
+}
+
+/*
+ * More columns: each random, near an earlier one, near a mean of two earlier ones (dependent but for a little), a sharp
+ * lobe, zero, or one that earlier ones span; data in the cone, on its edge, outside of it.
+ */
+static inline void nnls_case_many(struct nnls_case *c, uint64_t seed, int columns, int wide)
+{
+    static const double nearness[] = {0.0, 1.2e-16, 1e-15, 1e-12, 1e-10, 1e-8, 1e-4};
+    uint64_t s = seed * 0x2545f4914f6cdd1du + 7;
+    double sharp;
+    int i, j, outside = case_next(&s) % 4 == 0, exact = case_next(&s) % 4 == 0;
+
+    c->rows = 1 + (int)(case_next(&s) % CASE_ROWS);
+    c->columns = columns;
+    c->kind = "many";
+    for (i = 0; i < CASE_ROWS; i++) {
+        c->data[i] = 0.0;
+    }
+    for (j = 0; j < columns; j++) {
+        unsigned kind = (unsigned)(case_next(&s) % 8), one = (unsigned)j ? (unsigned)(case_next(&s) % (unsigned)j) : 0;
+        unsigned two = (unsigned)j ? (unsigned)(case_next(&s) % (unsigned)j) : 0;
+        double size = nearness[case_next(&s) % 7], z = case_next(&s) % 3 ? case_uniform(&s) : 0.0;
+
+        sharp = pow(10.0, 6.0 * case_uniform(&s));
+        for (i = 0; i < CASE_ROWS; i++) {
+            double v = case_uniform(&s), wobble = 1.0 + size * case_signed(&s);
+
+            if (j > 0 && kind < 2) {
+                v = fabs(c->column[one][i] * wobble);
+            } else if (j > 1 && kind < 4) {
+                v = fabs((c->column[one][i] + 0.6 * c->column[two][i]) * wobble);
+            } else if (kind == 4) {
+                v = exp(-sharp * i * i / 1e3);
+            } else if (kind == 5 && size == 0.0) {
+                v = 0.0;
+            }
+            c->column[j][i] = i < c->rows ? v : 0.0;
+            c->data[i] += c->column[j][i] * z;
+        }
+    }
+    for (i = 0; i < c->rows; i++) {
+        c->data[i] = outside ? case_signed(&s) : exact ? c->data[i] : c->data[i] * (1.0 + 0.1 * case_signed(&s));
+    }
+    for (j = 0; j < columns; j++) {
         case_scale(c->column[j], c->rows, &c->column_scale[j], wide ? (int)(case_next(&s) % 999) - 499 : 0);
     }
     case_scale(c->data, c->rows, &c->data_scale, wide ? (int)(case_next(&s) % 999) - 499 : 0);

@@ -66,7 +66,8 @@ static inline void oracle_cross(const quad *u, const quad *v, quad *out)
 
 static inline struct oracle_angles oracle_angles(const quad *l, const quad *v, const quad *n)
 {
-    quad nxl[3], nxv[3], across = 0, half = 0, dot[3], length_l = sqrtq(oracle_dot(l, l)), length_v = sqrtq(oracle_dot(v, v));
+    quad nxl[3], nxv[3], across = 0, half = 0, dot[3], length_l = sqrtq(oracle_dot(l, l)),
+                         length_v = sqrtq(oracle_dot(v, v));
     quad length_n = sqrtq(oracle_dot(n, n));
     struct oracle_angles at;
     int j;

@@ -266,7 +266,8 @@ static inline quad least_met(const struct reading *r, const struct problem *p, c
     return best;
 }
 
-static inline void check_bound(const struct problem *p, const brdffit_result *result, const struct reading *r, const char *what)
+static inline void check_bound(const struct problem *p, const brdffit_result *result, const struct reading *r,
+                               const char *what)
 {
     quad least = least_met(r, p, result);
 

@@ -95,11 +95,10 @@ static void check_points(const struct seen *seen, const brdffit_samples *samples
     memset(&p, 0, sizeof p);
     p.samples = samples;
     p.options = o;
-    p.ggx = o->distribution == BRDFFIT_GGX;
-    p.lobes = o->lobes;
     p.floor = result->sigma_floor;
     verify_classify(&p);
     verify_rows(&p, result->channel_scale);
+    verify_floors(&p);
     for (i = 0; i < POINTS; i++) {
         double low = i % 2 ? 1e-3 : result->sigma_floor, near = i % 4 == 3 ? 1e-3 : 0.0;
         double x = brdffit_test_log_uniform(&random, low, o->sigma_max);

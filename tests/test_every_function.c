@@ -145,6 +145,7 @@ static void call_strings(void)
     STRING(brdffit_status_string, BRDFFIT_ERR_VALUE);
     STRING(brdffit_skip_string, BRDFFIT_SKIP_INCIDENCE);
     STRING(brdffit_distribution_string, BRDFFIT_GGX);
+    STRING(brdffit_distribution_title, BRDFFIT_GGX);
     STRING(brdffit_parameter_string, BRDFFIT_GGX);
     STRING(brdffit_norm_string, BRDFFIT_NORM_L1);
     STRING(brdffit_engine_string, BRDFFIT_ENGINE_SOCP);

@@ -322,12 +322,9 @@ static void test_grazing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lafortune),
-        cmocka_unit_test(test_snapped),
-        cmocka_unit_test(test_near_mirror),
-        cmocka_unit_test(test_near_mirror_two),
-        cmocka_unit_test(test_mirror_images),
-        cmocka_unit_test(test_grazing),
+        cmocka_unit_test(test_lafortune),     cmocka_unit_test(test_snapped),
+        cmocka_unit_test(test_near_mirror),   cmocka_unit_test(test_near_mirror_two),
+        cmocka_unit_test(test_mirror_images), cmocka_unit_test(test_grazing),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -35,16 +35,16 @@ static void check_row(const struct scene *s, brdffit_distribution d, const struc
     if (got->b > 0.0) {
         fine = fine && within(row.b, got->b, (quad)got->b_error * got->b) && within(row.c, got->c, got->c_error);
     } else {
-        fine = fine && d == BRDFFIT_LAFORTUNE &&
-               (row.b == 0 || (row.b <= got->b_hidden && row.c >= got->c_hidden));
+        fine = fine && d == BRDFFIT_LAFORTUNE && (row.b == 0 || (row.b <= got->b_hidden && row.c >= got->c_hidden));
     }
     if (!fine) {
-        fail_msg("%s, %s: a %.17g b %.17g c %.17g, errors %g %g %g, truth off by %g %g (relative) %g; hidden %g %g; light "
-                 "%a,%a,%a view %a,%a,%a normal %a,%a,%a",
-                 brdffit_distribution_string(d), reading, got->a, got->b, got->c, got->light_error, got->b_error,
-                 got->c_error, (double)(row.a / got->a - 1), (double)(row.b / got->b - 1), (double)(row.c - got->c),
-                 got->b_hidden, got->c_hidden, s->light[0], s->light[1], s->light[2], s->view[0], s->view[1],
-                 s->view[2], s->normal[0], s->normal[1], s->normal[2]);
+        fail_msg(
+            "%s, %s: a %.17g b %.17g c %.17g, errors %g %g %g, truth off by %g %g (relative) %g; hidden %g %g; light "
+            "%a,%a,%a view %a,%a,%a normal %a,%a,%a",
+            brdffit_distribution_string(d), reading, got->a, got->b, got->c, got->light_error, got->b_error,
+            got->c_error, (double)(row.a / got->a - 1), (double)(row.b / got->b - 1), (double)(row.c - got->c),
+            got->b_hidden, got->c_hidden, s->light[0], s->light[1], s->light[2], s->view[0], s->view[1], s->view[2],
+            s->normal[0], s->normal[1], s->normal[2]);
     }
 }
 
@@ -77,8 +77,7 @@ static void test_stated_errors(void **state)
             at[1] = truth_of(&random, &s, TOL_ANGLE);
         }
         for (d = 0; d < BRDFFIT_DISTRIBUTION_COUNT; d++) {
-            brdffit_skip skip =
-                brdffit_geometry_sample(&samples, (brdffit_distribution)d, 0.0, 0, &got, &status, NULL);
+            brdffit_skip skip = brdffit_geometry_sample(&samples, (brdffit_distribution)d, 0.0, 0, &got, &status, NULL);
 
             assert_int_equal(status, BRDFFIT_OK);
             assert_true((skip == BRDFFIT_SKIP_COUNT) == (at[0].light > LIMIT_GRAZING && at[0].view > LIMIT_GRAZING));

@@ -39,7 +39,7 @@ static void heap_against_sorted(struct heap *heap, uint64_t seed)
     heap->count = 0;
     for (step = 0; step < 6000; step++) {
         if (count == 0 || (step % 2000 < 1200 ? brdffit_test_below(&random, 10) < 7 : step % 2 == 0)) {
-            struct box box = {(double)brdffit_test_below(&random, 12), sequence++, {(uint32_t)step, 1}, 0};
+            struct box box = {.bound = (double)brdffit_test_below(&random, 12), .sequence = sequence++, .interval = {(uint32_t)step, 1}};
             int pushed = brdffit_heap_push(heap, &box);
 
             assert_int_equal(pushed, count < heap->capacity);
@@ -80,7 +80,7 @@ static void test_heap_against_sorted(void **state)
 
 static void test_heap_orders_infinite_bounds(void **state)
 {
-    struct box memory[4], box = {INFINITY, 0, {0, 0}, 0};
+    struct box memory[4], box = {.bound = INFINITY};
     struct heap heap = {memory, 0, 4};
 
     (void)state;

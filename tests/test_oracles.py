@@ -132,3 +132,64 @@ def test_bounds_against_ball_arithmetic():
             assert bound == 0 or value >= bound, f"objective {value} not certainly above bound {bound}: {line}"
     print(f"{points} points in {len(lines)} boxes ({useful} with a positive bound), {undecided} undecided")
     assert points >= 1600 and useful >= 200
+
+
+def list_columns(case, theta):
+    """a and the lobes at theta, each times a positive number; without those that no sample sees."""
+    columns = [numbers(case["a"])]
+    for lobe, t in zip(case["lobes"], theta):
+        b, c = numbers(lobe["b"]), numbers(lobe["c"])
+        seen = [float.fromhex(x) for x, y in zip(lobe["c"], lobe["b"]) if float.fromhex(y) > 0]
+        if not seen:
+            continue
+        low, s = arb(min(seen)), arb(float.fromhex(t)).exp()
+        if lobe["ggx"]:
+            u = s / (1 + low * s)
+            column = [bi / (1 + (ci - low) * u) ** 2 for bi, ci in zip(b, c)]
+        else:
+            column = [bi * (-(ci - low) * s).exp() if bi > 0 else arb(0) for bi, ci in zip(b, c)]
+        columns.append(column)
+    return columns
+
+
+def list_objective(case, theta):
+    """Arb enclosure of the weighted objective of a list of lobes at one point, or None where no precision decides."""
+    weights = case["weights"] or ["0x1p0"] * len(case["a"])
+    for precision in (200, 800, 3200):
+        ctx.prec = precision
+        roots = [(arb(float.fromhex(w)) / arb(float.fromhex(case["weight_scale"]))).sqrt() for w in weights]
+        columns = [[root * v for root, v in zip(roots, column)] for column in list_columns(case, theta)]
+        columns = [[v / max(abs(x) for x in column) for v in column] for column in columns]
+        total = arb(0)
+        for k, scale in enumerate(numbers(case["scale"])):
+            unit = scale * arb(float.fromhex(case["value_scale"]))
+            value = decided_minimum(columns, [root * v / unit for root, v in zip(roots, numbers(case["values"][k::case["channels"]]))])
+            if value is None:
+                break
+            total += value
+        else:
+            return total
+    return None
+
+
+def test_bounds_of_lists_against_ball_arithmetic():
+    """Boxes of two and three lobes, alike and of several distributions and geometries, with weights of any size."""
+    lines = run("bound_lobes_cases", "240").decode().splitlines()
+    assert len(lines) == 240
+    points = undecided = useful = three = mixed = 0
+    for line in lines:
+        case = json.loads(line)
+        bound, lobes = arb(float.fromhex(case["bound"])), len(case["lobes"])
+        useful += bound > 0
+        for p in range(len(case["theta"]) // lobes):
+            value = list_objective(case, case["theta"][lobes * p:lobes * p + lobes])
+            if value is None:
+                undecided += 1
+                continue
+            points += 1
+            three += lobes == 3
+            mixed += any(lobe["c"] != case["lobes"][0]["c"] for lobe in case["lobes"])
+            assert bound == 0 or value >= bound, f"objective {value} not certainly above bound {bound}: {line}"
+    print(f"{points} points ({three} of three lobes, {mixed} of several geometries) in {len(lines)} boxes ({useful} with a "
+          f"positive bound), {undecided} undecided")
+    assert points >= 360 and three >= 120 and mixed >= 100 and useful >= 80

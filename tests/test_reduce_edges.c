@@ -68,7 +68,8 @@ static void test_directions_merge_to_rounding(void **state)
     for (j = 0; j < o.r.distinct; j++) {
         /* alpha is half the difference of the angles, 0 or 0.4, whatever theta. */
         tilted += o.r.table[0].c[j] > 1e-20;
-        assert_true(fabs(sqrt(o.r.table[0].c[j] + o.r.table[0].c_min) - (o.r.table[0].c[j] > 1e-20 ? tan(0.4) : 0.0)) <= 2e-15);
+        assert_true(fabs(sqrt(o.r.table[0].c[j] + o.r.table[0].c_min) - (o.r.table[0].c[j] > 1e-20 ? tan(0.4) : 0.0)) <=
+                    2e-15);
     }
     assert_int_equal(tilted, 1);
     assert_true(o.r.table[0].snapped > 0.0 && o.r.table[0].snapped <= TOL_SNAP);

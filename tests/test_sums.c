@@ -64,7 +64,8 @@ static void check_gram(const struct problem *p, const struct reduced *r, uint64_
             y[j] = brdffit_test_uniform(&random, -2.0, 2.0);
         }
         for (i = 0; i < p->count; i++) {
-            long double a = p->a[i] / r->scale_a, b = p->b[i] / r->table[0].scale_b, v = value(p, r, i, k), along = 0.0L;
+            long double a = p->a[i] / r->scale_a, b = p->b[i] / r->table[0].scale_b, v = value(p, r, i, k),
+                        along = 0.0L;
 
             for (j = 0; j < r->distinct; j++) {
                 along = p->c[i] - r->table[0].c_min == r->table[0].c[j] ? y[j] : along;

@@ -31,23 +31,25 @@ static int check_model(struct verdict *v)
 {
     const struct brdffit_test_model *model = &v->result->model;
     const brdffit_options *o = v->problem.options;
+    const struct verify_view *view = v->problem.lobe;
     size_t j, lobes = (size_t)o->lobes;
-    double low = verify_lowest(o), high = verify_highest(o);
 
     if (model->distribution != o->distribution || model->lobes != o->lobes ||
         model->channels != v->problem.samples->channels) {
         return wrong(v, "the model's distribution, lobes or channels are not what was asked for");
     }
     for (j = 0; j < lobes; j++) {
-        if (!(model->sigma[j] >= low && model->sigma[j] <= high)) {
-            return wrong(v, "sigma[%zu] = %.17g is not in [%g, %g]", j, model->sigma[j], low, high);
+        if (!(model->sigma[j] >= view[j].low && model->sigma[j] <= view[j].high)) {
+            return wrong(v, "sigma[%zu] = %.17g is not in [%g, %g]", j, model->sigma[j], view[j].low, view[j].high);
         }
         if (model->sigma[j] != v->result->lobe[j].sigma) {
             return wrong(v, "model.sigma[%zu] is not lobe[%zu].sigma", j, j);
         }
     }
-    if (lobes == 2 && !(model->sigma[0] <= model->sigma[1])) {
-        return wrong(v, "sigma is not sorted: %.17g, %.17g", model->sigma[0], model->sigma[1]);
+    for (j = 1; j < lobes; j++) { /* like lobes ascend */
+        if ((size_t)view[j].first < j && !(model->sigma[j - 1] <= model->sigma[j])) {
+            return wrong(v, "sigma is not sorted: %.17g, %.17g", model->sigma[j - 1], model->sigma[j]);
+        }
     }
     for (j = 0; j < model->channels; j++) {
         if (!(model->x[j] >= 0.0 && model->x[j] < INFINITY)) {
@@ -99,7 +101,8 @@ static void evaluate(struct verdict *v)
         v->sigma[j] = v->result->model.sigma[j];
         v->column[1 + j] = v->raw[j];
         for (i = 0; i < p->used; i++) {
-            v->raw[j][i] = p->rows.b[i] * verify_lobe(p->options->distribution, p->rows.c[i], v->sigma[j]);
+            v->raw[j][i] = p->lobe[j].rows.b[i] *
+                           verify_lobe(p->lobe[j].distribution, p->lobe[j].rows.c[i], v->sigma[j]);
         }
     }
     for (k = 0; k < channels; k++) {
@@ -166,12 +169,15 @@ static int check_kkt(struct verdict *v)
             long double gradient = 0.0L, length = sqrtl(ref_dot(v->column[j], v->column[j], p->used));
 
             for (i = 0; i < p->used; i++) {
-                long double residual = data[i] - z[0] * v->column[0][i] - z[1] * v->column[1][i];
+                long double residual = data[i];
+                size_t column;
 
-                residual -= columns == 3 ? z[2] * v->column[2][i] : 0.0L;
+                for (column = 0; column < columns; column++) {
+                    residual -= z[column] * v->column[column][i];
+                }
                 gradient += residual * v->column[j][i];
             }
-            if (j > 0 && v->sigma[j - 1] < verify_smallest_sigma(p)) {
+            if (j > 0 && v->sigma[j - 1] < p->lobe[j - 1].floor) {
                 continue;
             }
             if (length > 0.0L && !((z[j] > 0.0L ? fabsl(gradient) : gradient) <= allowed * length)) {
@@ -221,18 +227,21 @@ static int check_certificate(struct verdict *v)
 
 static int check_bound(struct verdict *v, size_t attacks, unsigned long long seed)
 {
-    struct verify_attack attack = {&v->problem, seed, 0.0L, 0.0L, 0.0L, 0.0L, {1.0L, 1.0L}, 0};
+    struct verify_attack attack = {.problem = &v->problem, .state = seed, .bound = v->result->lower_bound};
+    int j;
 
-    attack.low = verify_smallest_sigma(&v->problem);
-    attack.high = verify_highest(v->problem.options);
-    attack.bound = v->result->lower_bound;
-    if (!(attack.low <= attack.high)) { /* no lobe has a finite y: only the diffuse term is left */
-        attack.low = attack.high;
+    for (j = 0; j < v->problem.lobes; j++) {
+        attack.sigma[j] = 1.0L;
+        attack.high[j] = v->problem.lobe[j].high;
+        attack.low[j] = fmaxl(v->problem.lobe[j].low, v->problem.floor);
+        if (!(attack.low[j] <= attack.high[j])) { /* no lobe has a finite y: only the diffuse term is left */
+            attack.low[j] = attack.high[j];
+        }
     }
     verify_attack_bound(&attack, v->result->model.sigma, attacks);
     if (attack.broken) {
-        return wrong(v, "lower_bound %.17g is above E^2 = %.17Lg at sigma %.17Lg, %.17Lg", v->result->lower_bound,
-                     attack.best, attack.sigma[0], attack.sigma[1]);
+        return wrong(v, "lower_bound %.17g is above E^2 = %.17Lg at sigma %.17Lg, %.17Lg, %.17Lg",
+                     v->result->lower_bound, attack.best, attack.sigma[0], attack.sigma[1], attack.sigma[2]);
     }
     return 0;
 }
@@ -241,15 +250,20 @@ static int check_bound(struct verdict *v, size_t attacks, unsigned long long see
 static int check_floor(struct verdict *v)
 {
     const struct verify_problem *p = &v->problem;
-    double low = verify_lowest(p->options), floor = v->result->sigma_floor;
+    double low = 0.0, high = 0.0, floor = v->result->sigma_floor;
+    int j;
 
+    for (j = 0; j < p->lobes; j++) { /* every lobe's range reaches down to the largest of their ends */
+        low = fmax(low, p->lobe[j].low);
+        high = fmax(high, p->lobe[j].high);
+    }
     if (floor == INFINITY) {
         struct verify_problem all = *p;
 
-        all.floor = verify_highest(p->options);
+        all.floor = high;
         return verify_floor_is_due(&all) ? 0 : wrong(v, "sigma_floor leaves out every lobe without need");
     }
-    if (!(floor >= low && floor <= verify_highest(p->options))) {
+    if (!(floor >= low && floor <= high)) {
         return wrong(v, "sigma_floor %.17g is not in the range from %.17g", floor, low);
     }
     if (floor > low && !verify_floor_is_due(p)) {
@@ -261,8 +275,8 @@ static int check_floor(struct verdict *v)
 static int check_all(struct verdict *v, size_t attacks, unsigned long long seed)
 {
     struct verify_problem *p = &v->problem;
-    size_t channels = p->samples->channels, lobes = (size_t)p->lobes;
-    int failed;
+    size_t channels = p->samples->channels, lobes = (size_t)p->options->lobes;
+    int failed, j;
 
     p->floor = v->result->sigma_floor;
     verify_classify(p);
@@ -271,11 +285,14 @@ static int check_all(struct verdict *v, size_t attacks, unsigned long long seed)
         return 1;
     }
     verify_rows(p, v->result->channel_scale);
-    v->claimed = ref_allocate(channels * (3 + lobes) + lobes * p->used, sizeof *v->claimed);
+    verify_floors(p);
+    v->claimed = ref_allocate(channels * (3 + lobes) + BRDFFIT_MAX_LOBES * p->used, sizeof *v->claimed);
     v->rss = v->claimed + channels * (1 + lobes);
     v->delta = v->rss + channels;
     v->raw[0] = v->delta + channels;
-    v->raw[1] = v->raw[0] + (lobes - 1) * p->used;
+    for (j = 1; j < BRDFFIT_MAX_LOBES; j++) {
+        v->raw[j] = v->raw[j - 1] + p->used;
+    }
     evaluate(v);
     if (!attacks) {
         attacks = 160000 / (p->basis.rows.count + 10);
@@ -308,8 +325,6 @@ int brdffit_test_verify_deep(const brdffit_samples *samples, const brdffit_optio
     v.why_size = why_size;
     v.problem.samples = samples;
     v.problem.options = options;
-    v.problem.ggx = options->distribution == BRDFFIT_GGX;
-    v.problem.lobes = options->lobes;
     return check_all(&v, attacks, seed);
 }
 

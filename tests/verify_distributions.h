@@ -29,14 +29,14 @@ static inline int verify_by_exponent(brdffit_distribution distribution)
 }
 
 /* Range of sigma = 1/sqrt(s) that the options ask for. */
-static inline double verify_lowest(const brdffit_options *o)
+static inline double verify_lowest(const brdffit_options *o, brdffit_distribution distribution)
 {
-    return verify_by_exponent(o->distribution) ? 1.0 / sqrt(o->exponent_max) : o->sigma_min;
+    return verify_by_exponent(distribution) ? 1.0 / sqrt(o->exponent_max) : o->sigma_min;
 }
 
-static inline double verify_highest(const brdffit_options *o)
+static inline double verify_highest(const brdffit_options *o, brdffit_distribution distribution)
 {
-    return verify_by_exponent(o->distribution) ? 1.0 / sqrt(o->exponent_min) : o->sigma_max;
+    return verify_by_exponent(distribution) ? 1.0 / sqrt(o->exponent_min) : o->sigma_max;
 }
 
 static inline long double verify_shadowing(const struct verify_angles *angles)

@@ -23,9 +23,9 @@ struct verdict {
     const struct brdffit_test_result *result;
     struct verify_problem problem;
     long double *claimed;              /* channels x (1 + lobes): coefficients, units that were minimised */
-    long double *raw[2];               /* columns that the claimed y multiply */
+    long double *raw[BRDFFIT_MAX_LOBES]; /* columns that the claimed y multiply */
     const long double *column[REF_COLUMNS];
-    long double sigma[2];
+    long double sigma[BRDFFIT_MAX_LOBES];
     long double *rss, *delta;          /* per channel: squared residual, length of the differences */
     long double e2, allowance;
     char *why;
@@ -57,15 +57,17 @@ static inline long double effective_samples(struct verdict *v, int lobe, long do
     long double sum = 0.0L, sum2 = 0.0L;
     size_t i;
 
-    verify_lobes(p, &p->rows, v->sigma);
+    verify_lobes(p, 0, v->sigma);
     *error = 0.0L;
     for (i = 0; i < p->used; i++) {
         long double g2 = g[i] * g[i];
 
         sum += g2;
         sum2 += g2 * g2;
-        *error += 8.0L * g2 * p->sample[i].error_b;
-        *error += 8.0L * g2 * verify_lobe_error(p->ggx, p->sample[i].c, p->sample[i].error_c, v->sigma[lobe]);
+        const struct verify_sample *sample = p->lobe[lobe].sample + i;
+
+        *error += 8.0L * g2 * sample->error_b;
+        *error += 8.0L * g2 * verify_lobe_error(p->lobe[lobe].ggx, sample->c, sample->error_c, v->sigma[lobe]);
     }
     *error += 1e-12L;
     return sum > 0.0L ? sum * sum / sum2 : 0.0L;
@@ -78,7 +80,7 @@ static inline int check_exponent(struct verdict *v, int j)
     const brdffit_lobe *lobe = &v->result->lobe[j];
     int right = lobe->exponent == 0.0 && lobe->exponent_low == 0.0 && lobe->exponent_high == 0.0;
 
-    if (verify_by_exponent(o->distribution)) {
+    if (verify_by_exponent(v->problem.lobe[j].distribution)) {
         right = lobe->exponent == lobe->exponent_low && lobe->exponent_low <= lobe->exponent_high &&
                 lobe->exponent_low >= o->exponent_min && lobe->exponent_high <= o->exponent_max &&
                 near(lobe->exponent * (long double)lobe->sigma * lobe->sigma, 1.0L, 8.0L * VERIFY_UNIT) &&
@@ -92,10 +94,9 @@ static inline int check_exponent(struct verdict *v, int j)
 
 static inline int check_warnings(struct verdict *v, int j, int used)
 {
-    const brdffit_options *o = v->problem.options;
     const brdffit_lobe *lobe = &v->result->lobe[j];
     int flat = lobe->sigma_low < lobe->sigma_high, at_limit = (lobe->warnings & BRDFFIT_WARN_AT_LIMIT) != 0;
-    double low = verify_lowest(o), high = verify_highest(o);
+    double low = v->problem.lobe[j].low, high = v->problem.lobe[j].high;
     int on_limit = lobe->sigma == low || lobe->sigma == high;
 
     if (!(lobe->warnings & BRDFFIT_WARN_UNRESOLVED) != !(lobe->effective_samples < 3.0)) {
@@ -120,9 +121,10 @@ static inline int check_warnings(struct verdict *v, int j, int used)
 static inline int check_flat(struct verdict *v, int j)
 {
     const brdffit_lobe *lobe = &v->result->lobe[j];
-    long double low = lobe->sigma_low, ratio = lobe->sigma_high / low, sigma[2] = {v->sigma[0], v->sigma[1]};
+    long double low = lobe->sigma_low, ratio = lobe->sigma_high / low, sigma[BRDFFIT_MAX_LOBES];
     int i;
 
+    memcpy(sigma, v->sigma, sizeof sigma);
     for (i = 0; lobe->sigma_low < lobe->sigma_high && i <= 16; i++) {
         long double e2, allowed;
 
@@ -130,8 +132,8 @@ static inline int check_flat(struct verdict *v, int j)
         e2 = verify_optimum(&v->problem, sigma);
         allowed = FLAT_TOLERANCE * v->e2 + FLAT_ABSOLUTE * v->problem.total + v->allowance;
         if (!(fabsl(e2 - v->e2) <= allowed + verify_allowance(&v->problem, sigma))) {
-            return wrong(v, "lobe %d is not flat on [%.17g, %.17g]: E^2 %.17Lg at %.17Lg, but %.17Lg at %.17Lg, %.17Lg",
-                         j, lobe->sigma_low, lobe->sigma_high, e2, sigma[j], v->e2, v->sigma[0], v->sigma[1]);
+            return wrong(v, "lobe %d is not flat on [%.17g, %.17g]: E^2 %.17Lg at %.17Lg, but %.17Lg at %.17Lg", j,
+                         lobe->sigma_low, lobe->sigma_high, e2, sigma[j], v->e2, v->sigma[j]);
         }
     }
     return 0;
@@ -141,7 +143,7 @@ static inline int check_lobes(struct verdict *v)
 {
     const struct brdffit_test_model *model = &v->result->model;
     size_t k, lobes = (size_t)model->lobes, n;
-    long double sum[2] = {0.0L, 0.0L}, all = 0.0L;
+    long double sum[BRDFFIT_MAX_LOBES] = {0.0L}, all = 0.0L;
     int j;
 
     for (n = 0; n < model->channels * lobes; n++) {
@@ -159,7 +161,7 @@ static inline int check_lobes(struct verdict *v)
         if (!(fabsl(lobe->weight - weight) <= 1e-14L)) {
             return wrong(v, "lobe %d: weight %.17g, should be %.17Lg", j, lobe->weight, weight);
         }
-        if (v->sigma[j] >= verify_smallest_sigma(&v->problem) && !near(lobe->effective_samples, effective, error)) {
+        if (v->sigma[j] >= v->problem.lobe[j].floor && !near(lobe->effective_samples, effective, error)) {
             return wrong(v, "lobe %d: %.17g effective samples, should be %.17Lg", j, lobe->effective_samples,
                          effective);
         }

@@ -17,7 +17,7 @@
 #define INTAKE_LEAST(type, last) (offsetof(type, last) + sizeof(((type *)0)->last))
 
 /* No structure of any version is this large: a size that nobody has set is not believed. */
-#define INTAKE_MOST 65536u
+#define INTAKE_MOST 4096u
 
 /* 1 when *own, which holds defaults, has got the caller's fields; 0 and untouched when *callers cannot be understood. */
 static inline int intake(void *own, size_t own_size, size_t least, const void *callers)

@@ -67,7 +67,7 @@
  * column, of a small constant times m n u (Higham, Accuracy and Stability, theorem 19.4). */
 #define TOL_TRIANGLE 4.0
 
-/* What the search allows for the geometry of a point is more by this part than what the published one will be charged, at
+/* What the search allows for hidden lobes at a point is more by this part than what the published one will be charged, at
  * rounded roughness and with another objective. */
 #define TOL_ALLOWANCE 1e-6
 

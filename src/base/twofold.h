@@ -98,16 +98,16 @@ static inline struct twofold twofold_root(struct twofold x)
 }
 
 /*
- * Sum of n terms (destroyed) as if in fourfold precision: a pass moves each rounding to the next lower term and leaves the
- * sum as it is (VecSum of Ogita, Rump and Oishi), and each makes what is still lost smaller by n u. What is left after four
- * is below 2^-102 of the sum itself as long as that is above 2^-190 of the largest term.
+ * Sum of n terms (destroyed), `passes` times as precise as a plain one, and then once more: a pass moves each rounding to the
+ * next lower term and leaves the sum as it is (VecSum of Ogita, Rump and Oishi), and each makes what is still lost smaller
+ * by n u. After four it is below 2^-102 of the sum itself as long as that is above 2^-190 of the largest term.
  */
-static inline struct twofold twofold_total(double *term, int n)
+static inline struct twofold twofold_total(double *term, int n, int passes)
 {
     struct twofold sum = {0.0, 0.0};
     int pass, i;
 
-    for (pass = 0; pass < 4; pass++) {
+    for (pass = 0; pass < passes; pass++) {
         for (i = 1; i < n; i++) {
             struct twofold pair = twofold_of_sum(term[i], term[i - 1]);
 

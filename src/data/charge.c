@@ -59,6 +59,7 @@ void brdffit_charge_none(struct reduced *r)
 
         c->diffuse = c->grazing = c->relative = c->reference = c->spread = c->joined = 0.0;
         c->hidden = c->hidden_c = c->hidden_data = c->most_hidden = c->root = 0.0;
+        c->any_hidden = c->any_c = 0.0;
         c->norm = BRDFFIT_NORM_L2;
     }
     for (i = 0; i < KINDS_MOST; i++) {
@@ -94,11 +95,11 @@ static void charge_groups(struct reduced *r, struct table *t)
     c->spread = least < 2 ? 0.0 : t->c_min <= MIRROR_C_MIN ? c->joined + MIRROR_ROUNDING : others + c->reference;
 }
 
-/* Samples without a lobe, which may hide one: those with positive data. */
+/* Samples without a lobe, which may hide one. A bound pays for those with positive data, a model for any. */
 static void charge_hidden(struct reduced *r, struct table *t, const brdffit_samples *samples, brdffit_norm norm)
 {
     struct charge *c = &t->charge;
-    double hidden = 0.0, data = 0.0, least = INFINITY;
+    double hidden = 0.0, any = 0.0, data = 0.0, least = INFINITY, any_least = INFINITY;
     size_t i, k;
 
     for (i = 0; i < r->used && c->most_hidden > 0.0; i++) {
@@ -110,6 +111,10 @@ static void charge_hidden(struct reduced *r, struct table *t, const brdffit_samp
             positive = positive || value > 0.0;
             data = join(data, larger(value, 0.0), norm);
         }
+        if (hides) {
+            any = join(any, c->b[i], norm);
+            any_least = larger(0.0, smaller(any_least, c->c[i] - t->c_min));
+        }
         if (positive) {
             hidden = join(hidden, c->b[i], norm);
             least = larger(0.0, smaller(least, c->c[i] - t->c_min));
@@ -118,6 +123,8 @@ static void charge_hidden(struct reduced *r, struct table *t, const brdffit_samp
     c->hidden = root_of(hidden, norm);
     c->hidden_data = root_of(data, norm);
     c->hidden_c = least;
+    c->any_hidden = root_of(any, norm);
+    c->any_c = any_least;
 }
 
 /* Of a and of radiance made from f_r, which share the error of n.l: the largest, or, where that is a grazing light's, norms. */

@@ -40,6 +40,7 @@ struct charge {
     double hidden, hidden_c;    /* norm of what samples with b = 0 may hide, and their least c - c_min */
     double hidden_data;         /* norm of their data */
     double most_hidden;         /* largest b_hidden of a sample */
+    double any_hidden, any_c;   /* as hidden and hidden_c, of samples with any data: what a published model may be off by */
     double root;                /* norm of all data, twice that where the norm is not l2 */
     brdffit_norm norm;          /* not l2: objectives are norms, and not their squares */
     double least, all, mean;    /* norms of b over c_min and over all samples; mean c - c_min under it */
@@ -104,6 +105,9 @@ void brdffit_charge_domain(struct reduced *reduced, const struct model *model, i
 /* Of a box with the sides [low, high] of theta of each lobe. */
 struct doubt brdffit_charge_box(const struct reduced *reduced, const struct model *model, const double *low,
                                 const double *high);
+
+/* How far hidden lobes may take the objective's root (l1, linf: the objective) of a model with its lobes at theta. */
+double brdffit_charge_point(const struct reduced *reduced, const struct model *model, const double *theta);
 
 /* A bound of at least this pays to one of at least `target`, but for rounding. */
 double brdffit_charge_raise(const struct reduced *reduced, const struct doubt *doubt, double target);

@@ -15,12 +15,12 @@
  * What is hidden against |g*| of an exponential lobe: |g| is at least that of c_min's samples, and by Jensen's inequality at
  * least exp(-mean s) that of all b; |g*| is (1 - error) of it.
  */
-static double hidden_share(const struct charge *c, double low, double high, double error)
+static double hidden_share(const struct charge *c, double hidden, double hidden_c, double low, double high, double error)
 {
     double size = larger(c->least, c->all * kernel_exp(-c->mean * kernel_exp(high)));
 
     return size > 0.0 && error < 0.5
-               ? SAFE * c->hidden * kernel_exp(-c->hidden_c * kernel_exp(low)) / (size * (1.0 - error))
+               ? SAFE * hidden * kernel_exp(-hidden_c * kernel_exp(low)) / (size * (1.0 - error))
                : (double)INFINITY;
 }
 
@@ -41,7 +41,7 @@ static struct doubt lobe_doubt(const struct charge *c, const struct kind_charge 
         d.error = larger(d.error, k->tail);
     }
     if (c->hidden > 0.0) {
-        d.hidden = hidden_share(c, low, high, d.error);
+        d.hidden = hidden_share(c, c->hidden, c->hidden_c, low, high, d.error);
     }
     return d;
 }
@@ -61,6 +61,23 @@ struct doubt brdffit_charge_box(const struct reduced *r, const struct model *mod
         d.hidden_data = larger(d.hidden_data, one.hidden_data);
     }
     return d;
+}
+
+double brdffit_charge_point(const struct reduced *r, const struct model *model, const double *theta)
+{
+    double error = 0.0;
+    int p;
+
+    for (p = 0; p < model->lobes; p++) {
+        int kind = model->lobe[p].kind;
+        const struct charge *c = &r->table[model->geometry[kind]].charge;
+
+        if (c->any_hidden > 0.0) {
+            error += hidden_share(c, c->any_hidden, c->any_c, theta[p], theta[p],
+                                  lobe_doubt(c, &r->kind_charge[kind], theta[p], theta[p]).error);
+        }
+    }
+    return error * r->table[0].charge.root;
 }
 
 /* What every box pays for, absolute, where that needs no table; else -1. */

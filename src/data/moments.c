@@ -70,6 +70,7 @@ void brdffit_moments_start(struct moments *m, const struct reduced *data, const 
         m->omega[k] = (data->aa > 0.0 ? factor * along / root : 0.0) + m->epsilon * m->norm[k];
     }
     for (i = 0; i < m->kinds; i++) {
+        m->kind[i].kind = model->kind[i];
         m->kind[i].table = &data->table[m->kind[i].geometry];
         marks_start(&m->kind[i].ready);
     }

@@ -67,7 +67,7 @@ static void clear(struct brdffit_sums *s)
 
     memset(s->slot, 0, s->slots * sizeof *s->slot);
     memset(s->errors, 0, s->capacity * sizeof *s->errors);
-    s->hidden_c = INFINITY;
+    s->hidden_c = s->any_c = INFINITY;
     memset(s->largest, 0, s->channels * sizeof *s->largest);
     memset(s->magnitude, 0, s->channels * sizeof *s->magnitude);
     s->totals.high = s->totals_memory;
@@ -111,32 +111,6 @@ void brdffit_sums_count(const brdffit_sums *sums, size_t *used, size_t *skipped,
 double brdffit_sums_largest(const brdffit_sums *sums, size_t channel)
 {
     return channel < sums->channels ? sums->largest[channel] : 0.0;
-}
-
-size_t brdffit_sums_find(struct brdffit_sums *s, double c)
-{
-    uint64_t bits;
-    size_t at;
-
-    c += 0.0; /* -0 is 0 */
-    if (s->recent < s->groups && s->c[s->recent] == c) {
-        return s->recent;
-    }
-    memcpy(&bits, &c, sizeof bits);
-    bits *= 0x9e3779b97f4a7c15u;
-    for (at = (size_t)(bits >> 32) & (s->slots - 1); s->slot[at]; at = (at + 1) & (s->slots - 1)) {
-        if (s->c[s->slot[at] - 1] == c) {
-            return s->recent = s->slot[at] - 1;
-        }
-    }
-    if (s->groups == s->capacity) {
-        return s->capacity;
-    }
-    s->slot[at] = (uint32_t)(s->groups + 1);
-    s->c[s->groups] = c;
-    s->cell[s->groups].high = s->cell[s->groups].low = 0.0;
-    memset(sums_group(s, s->groups), 0, SUMS_PRODUCTS(s->channels) * sizeof(struct sums_pair));
-    return s->recent = s->groups++;
 }
 
 /* Whether what sums cannot hold is there: the limits of brdffit.h. */
@@ -194,7 +168,7 @@ static void add_to_group(struct brdffit_sums *s, struct sums_pair *product, cons
     }
 }
 
-/* What a sample without a lobe may hide (charge.c): only where some value is positive. */
+/* What a sample without a lobe may hide (charge.c). */
 static void note_hidden(struct brdffit_sums *s, const struct geometry *g, double w, const double *value,
                         double to_radiance)
 {
@@ -206,6 +180,10 @@ static void note_hidden(struct brdffit_sums *s, const struct geometry *g, double
 
         positive = positive || radiance > 0.0;
         s->hidden_data += w * (radiance > 0.0 ? 1.0 : 0.0); /* at most the channel's scale each */
+    }
+    if (g->b_hidden > 0.0) {
+        s->any_hidden += w * g->b_hidden * g->b_hidden;
+        s->any_c = fmin(s->any_c, g->c_hidden);
     }
     if (positive) {
         s->hidden += w * g->b_hidden * g->b_hidden;

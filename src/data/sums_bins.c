@@ -1,5 +1,5 @@
 /*
- * Samples of binned sums: which groups they go to. What that does to a fit: sums_remainder.c.
+ * Groups of sums, and which of them the samples of binned ones go to. What bins do to a fit: sums_remainder.c.
  * SPDX-License-Identifier: MIT
  *
  * Nodes are the doubles with `bits` bits after the first, so that a sample's node and the next, and its shares of the
@@ -19,6 +19,32 @@
 #define BITS_MOST 20
 /* 2 to that: the narrowest cell. Node 0, below it, counts as a wide one, which errs on the safe side. */
 #define LEAST (-1000)
+
+size_t brdffit_sums_find(struct brdffit_sums *s, double c)
+{
+    uint64_t bits;
+    size_t at;
+
+    c += 0.0; /* -0 is 0 */
+    if (s->recent < s->groups && s->c[s->recent] == c) {
+        return s->recent;
+    }
+    memcpy(&bits, &c, sizeof bits);
+    bits *= 0x9e3779b97f4a7c15u;
+    for (at = (size_t)(bits >> 32) & (s->slots - 1); s->slot[at]; at = (at + 1) & (s->slots - 1)) {
+        if (s->c[s->slot[at] - 1] == c) {
+            return s->recent = s->slot[at] - 1;
+        }
+    }
+    if (s->groups == s->capacity) {
+        return s->capacity;
+    }
+    s->slot[at] = (uint32_t)(s->groups + 1);
+    s->c[s->groups] = c;
+    s->cell[s->groups].high = s->cell[s->groups].low = 0.0;
+    memset(sums_group(s, s->groups), 0, SUMS_PRODUCTS(s->channels) * sizeof(struct sums_pair));
+    return s->recent = s->groups++;
+}
 
 brdffit_status brdffit_sums_bins(brdffit_sums *s, int bits, brdffit_error *error)
 {

@@ -99,6 +99,8 @@ static void charge_sums(const struct brdffit_sums *s, struct reduced *r)
     }
     c->hidden = sqrt(s->hidden / r->scale_w) / t->scale_b;
     c->hidden_c = larger(0.0, s->hidden_c - t->c_min);
+    c->any_hidden = sqrt(s->any_hidden / r->scale_w) / t->scale_b;
+    c->any_c = larger(0.0, s->any_c - t->c_min);
     c->hidden_data = sqrt(s->hidden_data / r->scale_w) / r->value_scale;
 }
 

@@ -21,6 +21,7 @@
 /* What of one kind decides: its functions, the sums of its geometry. */
 struct view {
     struct fit *fit;
+    int index;
     const struct lobe_kind *kind;
     struct table *table;
 };
@@ -80,31 +81,26 @@ static double largest_finite(const struct view *v, double low, double high)
     return low;
 }
 
-/* No lobe of this geometry can be used: its columns and sums vanish, and every theta is the same. */
+static void no_shape(const struct kernels *kernels, const double *c, size_t n, double u, double *phi)
+{
+    size_t j;
+
+    (void)kernels;
+    (void)c;
+    (void)u;
+    for (j = 0; j < n; j++) {
+        phi[j] = 0.0;
+    }
+}
+
+/* No lobe of this kind can be used: its columns vanish, and every theta is the same. Another kind may share its sums. */
 static void drop_lobes(const struct view *v)
 {
-    const struct reduced *data = &v->fit->data;
-    size_t j;
-    int g;
+    struct lobe_kind *vanished = &v->fit->vanished[v->index];
 
-    for (j = 0; j < data->stride; j++) {
-        v->table->bb[j] = 0.0;
-    }
-    for (j = 0; j < data->stride * data->functionals; j++) {
-        v->table->linear[j] = 0.0;
-    }
-    for (j = 0; j < data->rows; j++) {
-        v->table->row_b[j] = 0.0;
-    }
-    for (g = 0; g < data->geometries; g++) {
-        double *cross = &data->table[g] == v->table
-                            ? NULL
-                            : (double *)(uintptr_t)reduced_cross(data, g, (int)(v->table - data->table));
-
-        for (j = 0; j < data->stride && cross; j++) {
-            cross[j] = 0.0;
-        }
-    }
+    *vanished = *v->kind;
+    vanished->shape = no_shape;
+    v->fit->model.kind[v->index] = vanished;
 }
 
 double brdffit_fit_outwards(double theta, double steps)
@@ -162,7 +158,7 @@ void brdffit_fit_prepare(struct fit *f, const brdffit_options *o)
     f->varpro.data = &f->data;
     f->triangle_error = o->norm == BRDFFIT_NORM_L2 && f->rows_error == 0.0 ? brdffit_fit_triangle_error(&f->data) : 0.0;
     for (kind = 0; kind < f->model.kinds; kind++) {
-        const struct view v = {f, f->model.kind[kind], &f->data.table[f->model.geometry[kind]]};
+        const struct view v = {f, kind, f->model.kind[kind], &f->data.table[f->model.geometry[kind]]};
 
         prepare_kind(&v, o, &f->domain[kind]);
     }

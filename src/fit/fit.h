@@ -58,6 +58,7 @@ struct fit {
     brdffit_norm norm;
     struct domain domain[KINDS_MOST];
     struct handout *handout;
+    struct lobe_kind vanished[KINDS_MOST]; /* in the model's place of kinds of which no lobe has a finite y */
     double *x, *y, *rms; /* K, K x P, K: the result's arrays */
     double rows_error; /* how far E^2 of the rows may be from that of the samples, relative to the total: 0, but of
                               sums */

@@ -15,8 +15,7 @@
  *
  * and by what triangles did to it, so that a channel's |r| is off by at most |d| in the same norm (Minkowski), and
  * E^2 = sum |r|^2 by at most sum 2 |r| |d| + |d|^2. Sums of norms l1 and linf are compensated, their own rounding is within
- * TOL_PUBLISHED; of l2, d is taken by norms. What the rounding of directions does to the model is added as a box of this one point is charged
- * for it (charge.h).
+ * TOL_PUBLISHED; of l2, d is taken by norms. What samples may hide of a lobe (charge.h) is added.
  */
 #include "fit/published.h"
 
@@ -249,13 +248,11 @@ double brdffit_fit_triangle_error(const struct reduced *r)
            (double)((REDUCE_BLOCK + width) * width);
 }
 
-/* What the rounding of geometry makes of an objective at a point. */
-static double geometry_error(const struct fit *f, const double *theta, double objective)
+/* What hidden lobes make of an objective at a point. */
+static double hidden_error(const struct fit *f, const double *theta, double objective)
 {
-    struct doubt doubt = brdffit_charge_box(&f->data, &f->model, theta, theta);
-    double error;
+    double error = brdffit_charge_point(&f->data, &f->model, theta);
 
-    error = (doubt.error + doubt.hidden) * f->data.table[0].charge.root;
     return !(error > 0.0) ? 0.0 : f->norm == BRDFFIT_NORM_L2 ? (2.0 * sqrt(objective) + error) * error : error;
 }
 
@@ -286,19 +283,19 @@ struct published brdffit_fit_publish(struct fit *f, const double *sigma)
     for (p = 0; p < lobes; p++) {
         theta[p] = kernel_log(v.s[p].high);
     }
-    out.error += geometry_error(f, theta, out.objective);
+    out.error += hidden_error(f, theta, out.objective);
     return out;
 }
 
 double brdffit_fit_allowance(const struct fit *f, const struct point *at, double objective)
 {
-    double unit = TOL_PUBLISHED * TOL_UNIT, total = f->data.total, geometry;
+    double unit = TOL_PUBLISHED * TOL_UNIT, total = f->data.total, hidden;
 
-    geometry = geometry_error(f, at->theta, objective) * (1.0 + TOL_ALLOWANCE);
+    hidden = hidden_error(f, at->theta, objective) * (1.0 + TOL_ALLOWANCE);
     if (f->norm != BRDFFIT_NORM_L2) {
-        return 4.0 * unit * total + geometry;
+        return 4.0 * unit * total + hidden;
     }
     unit = 2.0 * (2.0 * unit + f->triangle_error);
-    return 2.0 * unit * sqrt(objective) * sqrt(total) + unit * unit * total + f->rows_error * total + geometry +
+    return 2.0 * unit * sqrt(objective) * sqrt(total) + unit * unit * total + f->rows_error * total + hidden +
            (16.0 + 8.0 * (double)f->data.channels) * TOL_UNIT * objective;
 }

@@ -26,7 +26,7 @@ const char *brdffit_io_drop_string(brdffit_io_drop reason)
     case BRDFFIT_IO_DROP_MASKED: return "masked";
     case BRDFFIT_IO_DROP_ABSENT: return "absent";
     case BRDFFIT_IO_DROP_BELOW_HORIZON: return "cell_below_horizon";
-    case BRDFFIT_IO_DROP_COUNT: break;
+    default: break;
     }
     return "unknown";
 }

@@ -247,6 +247,7 @@ LANES_INLINE vec gain_n_pivot(const struct gram_n *g, const vec *t, vec value, v
         vec_mask wrong = zero != zero;
 
         gain_n_factor(&some, in, n);
+        wrong |= ~some.definite; /* to rounding: M is, but not this part of it, and z means nothing */
         for (j = 0; j < n; j++) {
             inside[j] = (vec)((vec_mask)t[j] & in[j]);
         }

@@ -32,16 +32,18 @@ void brdffit_exponential_slope(double c, double u, double *ell, double *slope)
 
 double brdffit_exponential_tail(const double *c, const double *bb, size_t m, double c_min)
 {
-    double tail = 0.0, most = 0.0, cap;
+    double sharpest = weight_sharpest(c, bb, m), tail = 0.0, most = 0.0, cap;
     size_t j;
 
     (void)c_min;
-    for (j = 1; j < m; j++) {
-        most = bb[j] > most ? bb[j] : most;
+    for (j = 0; j < m; j++) {
+        most = c[j] > 0.0 && bb[j] > most ? bb[j] : most;
     }
-    cap = most > 0.0 ? TAIL_EXPONENT + weight_exponent(most, bb[0], m) : 0.0;
-    for (j = 1; j < m && cap > tail * c[j]; j++) { /* c ascends: from there on no sample can matter */
-        tail = fmax(tail, (TAIL_EXPONENT + weight_exponent(bb[j], bb[0], m)) / c[j]);
+    cap = most > 0.0 ? TAIL_EXPONENT + weight_exponent(most, sharpest, m) : 0.0;
+    for (j = 0; j < m; j++) {
+        if (c[j] > 0.0 && bb[j] > 0.0 && cap > tail * c[j]) { /* else it cannot matter */
+            tail = fmax(tail, (TAIL_EXPONENT + weight_exponent(bb[j], sharpest, m)) / c[j]);
+        }
     }
     return tail;
 }

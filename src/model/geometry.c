@@ -159,7 +159,8 @@ static brdffit_status angles_of_directions(const brdffit_samples *s, size_t i, i
     angles_of_units(l, v, s->normal ? n : NULL, out);
     out->accurate = 0;
     if (cancels(out, s->normal != NULL, mirrored)) {
-        brdffit_geometry_accurate(s->light + 3 * i, s->view + 3 * i, s->normal ? s->normal + 3 * i : NULL, out);
+        brdffit_geometry_accurate(s->light + 3 * i, s->view + 3 * i, s->normal ? s->normal + 3 * i : NULL, mirrored,
+                                  out);
     }
     rounding_of_directions(out, s->normal != NULL);
     return BRDFFIT_OK;

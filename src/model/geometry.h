@@ -49,8 +49,9 @@ brdffit_skip brdffit_geometry_sample(const brdffit_samples *samples, brdffit_dis
 /* Cosine to compare n.l with, from degrees; 0 switches the test off. */
 double brdffit_geometry_min_cosine(double max_incidence);
 
-/* The angles of directions that cancel, in double-double arithmetic (accurate.c). normal: NULL for +z. */
-void brdffit_geometry_accurate(const double *light, const double *view, const double *normal,
+/* The angles of directions that cancel, in double-double arithmetic (accurate.c); those of r.v, if they are `mirrored`.
+ * normal: NULL for +z. */
+void brdffit_geometry_accurate(const double *light, const double *view, const double *normal, int mirrored,
                                struct geometry_angles *out);
 
 #endif

@@ -63,16 +63,18 @@ static struct wide phi(struct twofold s, double c)
  */
 static double tail(const double *c, const double *bb, size_t m, double c_min)
 {
-    double tail = 0.0;
+    double sharpest = weight_sharpest(c, bb, m), tail = 0.0;
     size_t j;
 
     if (c_min > 0.0) {
         return m > 1 ? kernel_exp(TAIL_EXPONENT) / c_min : 0.0;
     }
-    for (j = 1; j < m; j++) {
-        double exponent = 0.5 * (TAIL_EXPONENT + weight_exponent(bb[j], bb[0], m));
+    for (j = 0; j < m; j++) {
+        if (c[j] > 0.0 && bb[j] > 0.0) {
+            double exponent = 0.5 * (TAIL_EXPONENT + weight_exponent(bb[j], sharpest, m));
 
-        tail = fmax(tail, kernel_exp(fmin(exponent, 600.0)) / c[j]);
+            tail = fmax(tail, kernel_exp(fmin(exponent, 600.0)) / c[j]);
+        }
     }
     return tail;
 }

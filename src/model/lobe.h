@@ -81,7 +81,7 @@ struct lobe_kind {
 
     /*
      * An s beyond which phi(u(s), c_j) sqrt(bb_j / bb_0) is within exp(-TAIL_EXPONENT) of its limit for
-     * every j > 0, so that nothing changes to rounding. 0 when nothing ever changes (m = 1).
+     * every c_j > 0 (in any order; bb_0 of c = 0), so that nothing changes to rounding. 0 when nothing ever changes.
      */
     double (*tail)(const double *c, const double *bb, size_t m, double c_min);
 

@@ -14,4 +14,16 @@ static inline double weight_exponent(double bb_j, double bb_0, size_t m)
     return 0.5 * (kernel_log((double)m) + kernel_log(bb_j) - kernel_log(bb_0));
 }
 
+/* bb_0: of a group with c = 0, the heaviest where another geometry tells several apart. */
+static inline double weight_sharpest(const double *c, const double *bb, size_t m)
+{
+    double sharpest = 0.0;
+    size_t j;
+
+    for (j = 0; j < m; j++) {
+        sharpest = c[j] == 0.0 && bb[j] > sharpest ? bb[j] : sharpest;
+    }
+    return sharpest;
+}
+
 #endif

@@ -1,5 +1,5 @@
 /*
- * The restricted problem: non-negative least squares with at most 7 columns: up to 3 in closed form by enumeration of
+ * The restricted problem: non-negative least squares with at most 7 columns: up to 4 by enumeration of
  * supports (theory, section 2), beyond by an active set (nnls_active.c). Two forms:
  *
  *   - dense: from the columns themselves, by orthogonalisation. Stable for columns of any scale and however
@@ -18,7 +18,7 @@
 
 #define NNLS_COLUMNS 7
 /* Up to so many columns every support is factored once, and tried. */
-#define NNLS_CLOSED 3
+#define NNLS_CLOSED 4
 
 /* One support's little least squares: orthonormal basis of its columns of R. */
 struct nnls_support {

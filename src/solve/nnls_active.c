@@ -1,5 +1,5 @@
 /*
- * Restricted problem of more than three columns: an active set (Lawson and Hanson 1974, chapter 23) on the little triangle
+ * Restricted problem of more than four columns: an active set (Lawson and Hanson 1974, chapter 23) on the little triangle
  * that orthogonalisation leaves. SPDX-License-Identifier: MIT
  *
  * Where the least squares in all columns is feasible it is the answer. Otherwise columns enter one at a time, steepest

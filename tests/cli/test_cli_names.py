@@ -56,12 +56,12 @@ def test_the_manual_has_each():
 
 @pytest.mark.parametrize("name, title, parameter", NAMES)
 def test_each_is_fitted(desk, name, title, parameter):
-    done = harness.run("fit", "--distribution", name, "matte.csv", cwd=desk)
+    done = harness.run("fit", "--distribution", name, "two_lobe_satin.csv", cwd=desk)
     assert done.returncode == 0
     words = " ".join(done.stdout.split())
     assert "no %s fit with 1 lobe and %s in" % (title, "n" if parameter == "exponent" else "σ") in words
     other = "ggx" if name != "ggx" else "beckmann"
-    done = harness.run("fit", "--lobes", name + "," + other, "--gap", "0.1", "matte.csv", cwd=desk)
+    done = harness.run("fit", "--lobes", name + "," + other, "--gap", "0.1", "two_lobe_satin.csv", cwd=desk)
     assert done.returncode == 0
     assert "fit of one %s and one %s lobe" % (title, TITLES[other]) in " ".join(
         done.stdout.split()) or "exact" in done.stdout

@@ -10,7 +10,7 @@
 
 #include "ref_rows.h"
 
-#define REF_COLUMNS 3
+#define REF_COLUMNS 4
 /* A column with less than this of its norm outside the others adds nothing. */
 #define REF_DEPENDENT 1e-17L
 
@@ -110,7 +110,7 @@ static inline size_t ref_exact_room(const struct ref_rows *rows)
 static inline long double ref_exact(const struct ref_rows *rows, const long double *const *column, int columns,
                                     long double *room, long double *coefficients)
 {
-    struct ref_support support = {0, {0, 0, 0}, rows->count, room, {{0.0L}}};
+    struct ref_support support = {0, {0}, rows->count, room, {{0.0L}}};
     long double *residual = room + REF_COLUMNS * rows->count, *best = residual + rows->count, total = 0.0L;
     size_t k;
     int mask, j;

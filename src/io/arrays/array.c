@@ -9,36 +9,6 @@
 #include "io/bytes/memory.h"
 #include "io/arrays/zip_read.h"
 
-brdffit_status brdffit_io_array_check(struct io_array *array, brdffit_error *error)
-{
-    brdffit_array *open = &array->open;
-    size_t bytes = (size_t)open->item_size;
-    uint64_t there = array->end - array->data;
-    int d;
-
-    for (d = 0; d < open->dims; d++) {
-        if (open->shape[d] == 0) {
-            return brdffit_io_fail(error, BRDFFIT_ERR_FORMAT, "the array has no elements");
-        }
-        if (bytes > SIZE_MAX / open->shape[d]) {
-            return brdffit_io_fail(error, BRDFFIT_ERR_FORMAT, "the array claims more bytes than can be addressed");
-        }
-        bytes *= open->shape[d];
-    }
-    open->count = bytes / (size_t)open->item_size;
-    if (bytes > there) {
-        return brdffit_io_fail_value(error, BRDFFIT_ERR_FORMAT,
-                                     "the file is shorter than its header says (value: bytes missing)",
-                                     (double)(bytes - there));
-    }
-    if (bytes < there) {
-        return brdffit_io_fail_value(error, BRDFFIT_ERR_FORMAT,
-                                     "the file is longer than its header says (value: bytes too many)",
-                                     (double)(there - bytes));
-    }
-    return BRDFFIT_OK;
-}
-
 static brdffit_status open_npz(struct io_array *array, const char *member, brdffit_error *error)
 {
     brdffit_status status = brdffit_io_zip_select(array, member, error);

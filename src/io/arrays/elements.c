@@ -1,11 +1,42 @@
 /*
- * Elements of any type and byte order to doubles. SPDX-License-Identifier: MIT
+ * How many elements an array has, and these, of any type and byte order, to doubles. SPDX-License-Identifier: MIT
  *
  * Bytes are put together by shifts, so that neither the machine's byte order nor alignment matters.
  */
 #include <string.h>
 
 #include "io/arrays/array.h"
+#include "io/fail.h"
+
+brdffit_status brdffit_io_array_check(struct io_array *array, brdffit_error *error)
+{
+    brdffit_array *open = &array->open;
+    size_t bytes = (size_t)open->item_size;
+    uint64_t there = array->end - array->data;
+    int d;
+
+    for (d = 0; d < open->dims; d++) {
+        if (open->shape[d] == 0) {
+            return brdffit_io_fail(error, BRDFFIT_ERR_FORMAT, "the array has no elements");
+        }
+        if (bytes > SIZE_MAX / open->shape[d]) {
+            return brdffit_io_fail(error, BRDFFIT_ERR_FORMAT, "the array claims more bytes than can be addressed");
+        }
+        bytes *= open->shape[d];
+    }
+    open->count = bytes / (size_t)open->item_size;
+    if (bytes > there) {
+        return brdffit_io_fail_value(error, BRDFFIT_ERR_FORMAT,
+                                     "the file is shorter than its header says (value: bytes missing)",
+                                     (double)(bytes - there));
+    }
+    if (bytes < there) {
+        return brdffit_io_fail_value(error, BRDFFIT_ERR_FORMAT,
+                                     "the file is longer than its header says (value: bytes too many)",
+                                     (double)(there - bytes));
+    }
+    return BRDFFIT_OK;
+}
 
 static uint64_t gather(const unsigned char *from, int size, int big_endian)
 {

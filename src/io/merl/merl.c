@@ -9,8 +9,6 @@
 #include "io/limits.h"
 #include "io/options.h"
 
-const double brdffit_io_merl_scale[MERL_CHANNELS] = {1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0};
-
 static int32_t load_i32(const unsigned char *p)
 {
     uint32_t bits = (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;

@@ -15,6 +15,8 @@
 #include "io/merl/merl.h"
 #include "io/merl/merl_axes.h"
 
+const double brdffit_io_merl_scale[MERL_CHANNELS] = {1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0};
+
 static int axis_new(struct merl_axis *axis, size_t bins)
 {
     axis->sine = brdffit_io_alloc(bins, sizeof(double));

@@ -661,7 +661,7 @@ BRDFFIT_API brdffit_status brdffit_sums_add_row(brdffit_sums *sums, const brdffi
 /* Largest used radiance of a channel so far, 0 when none is positive. */
 BRDFFIT_API double brdffit_sums_largest(const brdffit_sums *sums, size_t channel);
 
-/* As brdffit_workspace_size(). */
+/* As brdffit_workspace_size(), for the groups that there are by now: it grows with them, up to all. */
 BRDFFIT_API size_t brdffit_sums_workspace_size(const brdffit_sums *sums, const brdffit_options *options);
 
 /*
