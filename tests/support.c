@@ -305,6 +305,7 @@ void brdffit_test_flatten(const brdffit_result *r, struct brdffit_test_result *f
     memcpy(flat->model.sigma, r->model->sigma, lobes * sizeof(double));
     flat->model.x = r->model->x;
     flat->model.y = r->model->y;
+    flat->model.distributions = r->model->distributions;
     for (p = 0; p < lobes; p++) {
         memcpy(&flat->lobe[p], r->lobe[p], sizeof flat->lobe[p]);
     }
@@ -348,6 +349,7 @@ brdffit_status brdffit_test_eval(const struct brdffit_test_model *flat, const br
     model.sigma = flat->sigma;
     model.x = flat->x;
     model.y = flat->y;
+    model.distributions = flat->distributions;
     return brdffit_eval(&model, at, out, error);
 }
 

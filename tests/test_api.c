@@ -159,7 +159,7 @@ static void test_eval_formula(void **state)
         struct brdffit_test_data data;
         double x[2], y[4];
         struct brdffit_test_model model = {
-            i & 1 ? BRDFFIT_GGX : BRDFFIT_BECKMANN, 1 + (i >> 1 & 1), 2, {0.0, 0.0}, x, y};
+            i & 1 ? BRDFFIT_GGX : BRDFFIT_BECKMANN, 1 + (i >> 1 & 1), 2, {0.0, 0.0}, x, y, NULL};
 
         spec.seed = (uint64_t)i + 1;
         spec.count = 64;

@@ -29,7 +29,7 @@ static void test_eval_of_extremes(void **state)
     at.cos_light = at.cos_view = at.cos_difference = cosines;
     for (d = 0; d < BRDFFIT_DISTRIBUTION_COUNT; d++) {
         for (i = 0; i < sizeof sigma / sizeof sigma[0]; i++) {
-            struct brdffit_test_model model = {(brdffit_distribution)d, 1, 1, {sigma[i], 0.0}, x, y};
+            struct brdffit_test_model model = {(brdffit_distribution)d, 1, 1, {sigma[i], 0.0}, x, y, NULL};
 
             for (j = 0; j < sizeof tan2 / sizeof tan2[0]; j++) {
                 double out = 0.0;

@@ -190,7 +190,7 @@ static void test_eval(void **state)
     {
         for (i = 0; i < 2000; i++) {
             double light[3], view[3], x = 0.2, y = 1.5, out, parameter = brdffit_test_log_uniform(&random, 0.03, 3.0);
-            struct brdffit_test_model model = {distribution, 1, 1, {parameter, 0.0}, &x, &y};
+            struct brdffit_test_model model = {distribution, 1, 1, {parameter, 0.0}, &x, &y, NULL};
             brdffit_samples at;
             long double lobe, exact, length;
 

@@ -56,7 +56,7 @@ static void test_eval_edges(void **state)
     static const double x[2] = {1.0, 2.0}, y[2] = {0.5, 0.25};
     static const double light[] = {0, 0, 1, 0, 0, -1, 1, 0, 0, 0, 0, 1}, view[] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 1, 0, -1};
     static const double weights[] = {0.0, NAN, -1.0, 0.0}, values[] = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
-    struct brdffit_test_model model = {BRDFFIT_BECKMANN, 1, 2, {0.5, 0.0}, x, y};
+    struct brdffit_test_model model = {BRDFFIT_BECKMANN, 1, 2, {0.5, 0.0}, x, y, NULL};
     double out[8], bad_light[12];
     brdffit_samples at;
     brdffit_error error;

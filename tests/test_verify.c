@@ -20,6 +20,7 @@
 struct copy {
     struct brdffit_test_result result;
     double x[CHANNELS], y[2 * CHANNELS], scale[CHANNELS], rms[CHANNELS];
+    brdffit_distribution distributions[2];
 };
 
 struct fixture {
@@ -33,10 +34,12 @@ static void copy_from(struct copy *to, const struct brdffit_test_result *from)
     size_t lobes = (size_t)from->model.lobes;
 
     to->result = *from;
+    memcpy(to->distributions, from->model.distributions, lobes * sizeof to->distributions[0]);
     memcpy(to->x, from->model.x, sizeof to->x);
     memcpy(to->y, from->model.y, lobes * CHANNELS * sizeof(double));
     memcpy(to->scale, from->channel_scale, sizeof to->scale);
     memcpy(to->rms, from->rms, sizeof to->rms);
+    to->result.model.distributions = to->distributions;
     to->result.model.x = to->x;
     to->result.model.y = to->y;
     to->result.channel_scale = to->scale;

@@ -34,7 +34,7 @@ static int check_model(struct verdict *v)
     const struct verify_view *view = v->problem.lobe;
     size_t j, lobes = (size_t)o->lobes;
 
-    if (model->distribution != o->distribution || model->lobes != o->lobes ||
+    if (model->distribution != view[0].distribution || model->lobes != o->lobes ||
         model->channels != v->problem.samples->channels) {
         return wrong(v, "the model's distribution, lobes or channels are not what was asked for");
     }
@@ -44,6 +44,11 @@ static int check_model(struct verdict *v)
         }
         if (model->sigma[j] != v->result->lobe[j].sigma) {
             return wrong(v, "model.sigma[%zu] is not lobe[%zu].sigma", j, j);
+        }
+    }
+    for (j = 0; j < lobes; j++) {
+        if (!model->distributions || model->distributions[j] != view[j].distribution) {
+            return wrong(v, "lobe %zu is not of the distribution that was asked for", j);
         }
     }
     for (j = 1; j < lobes; j++) { /* like lobes ascend */

@@ -15,6 +15,7 @@ struct brdffit_test_model {
     size_t channels;
     double sigma[BRDFFIT_MAX_LOBES];
     const double *x, *y;
+    const brdffit_distribution *distributions; /* as brdffit_model's */
 };
 
 /* A brdffit_result without pointers to structures: a copy of it is one, but for the arrays of K. */

@@ -89,7 +89,9 @@ static double charge_all(const struct reduced *r, const struct model *model)
     for (p = 0; p < model->lobes; p++) {
         const struct kind_charge *k = &r->kind_charge[model->lobe[p].kind];
 
-        if (k->step > 0.0 || r->table[model->geometry[model->lobe[p].kind]].charge.hidden > 0.0) {
+        /* Only boxes at its end pay for a tail that costs much more than the domain (GGX). */
+        if (k->step > 0.0 || k->tail > larger(1e-14, 1.25 * k->body) ||
+            r->table[model->geometry[model->lobe[p].kind]].charge.hidden > 0.0) {
             return -1.0;
         }
         error += larger(k->body, k->tail);
@@ -137,6 +139,7 @@ static void open_payment(struct payment *p, double target)
 {
     double q = sqrt(target > 0.0 && target < p->total ? target : p->total);
 
+    q = larger(q, 4.0 * p->doubt); /* bounds that are no more than the doubt itself are worth little */
     p->target = target;
     p->share = q > 0.0 ? p->doubt / q * (1.0 + 1e-6) : 0.0;
     p->offset = p->doubt * q * (1.0 + 1e-6);
