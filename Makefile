@@ -251,7 +251,7 @@ $(OBJ)/src/%.o: src/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 # Tools and examples see the public headers only.
 $(OBJ)/tools/%.o: tools/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 	@mkdir -p $(@D)
-	$(call say,CC,$<)$(COMPILE) -c $< -o $@
+	$(call say,CC,$<)$(COMPILE) $(EXTRA) -c $< -o $@
 
 $(OBJ)/examples/%.o: examples/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 	@mkdir -p $(@D)

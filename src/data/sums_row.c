@@ -2,7 +2,7 @@
  * Rows of tables to sums: see brdffit_row of brdffit.h, and table_row.h. SPDX-License-Identifier: MIT
  *
  * A row is one group. Its totals run in lanes over all of its strips, and join the group at the end with the factors
- * that they share: a = l / pi, b = factor x the strip's b (geometry_rows.h).
+ * that they share: a = l / pi, b = factor x the strip's b (model/geometry.h).
  */
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /*
- * What both norms need of a vertex; only vertex_*.c call it. SPDX-License-Identifier: MIT
+ * What both norms need of a vertex; only simplex_l1.c and simplex_linf.c call it. SPDX-License-Identifier: MIT
  */
 #ifndef BRDFFIT_SIMPLEX_PARTS_H
 #define BRDFFIT_SIMPLEX_PARTS_H

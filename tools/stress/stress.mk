@@ -7,6 +7,9 @@ STRESS_OPTIONS ?=
 
 .PHONY: stress clean-stress
 
+# --lobes is read as the benchmarks read it.
+$(OBJ)/tools/stress/stress_fit.o: EXTRA = -Itools
+
 $(BUILD)/stress_fit: $(OBJ)/tools/stress/stress_fit.o $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
 	$(call say,LINK,$@)$(LINK) -o $@ $< $(STATIC_IO) $(STATIC) -lz -lm
 

@@ -12,7 +12,7 @@
 
 #include "brdffit.h"
 #include "brdffit_io.h"
-#include "../bench/lobes.h"
+#include "bench/lobes.h"
 
 #if defined(__SSE2__)
 /* Down, up, towards zero, FTZ, DAZ, both, and both with each rounding mode. */
