@@ -327,21 +327,21 @@ typedef struct brdffit_lobe {
     double weight;            /* w_p: this lobe's share of the sum of all y; 0 if all are zero */
     double effective_samples; /* N_eff = (sum g^2)^2 / sum g^4, at most the samples used */
     unsigned warnings;        /* BRDFFIT_WARN_* */
-    double sigma_floor;       /* what is proven is proven for this lobe's sigma from here to sigma_max, n from exponent_min
+    double sigma_floor; /* what is proven is proven for this lobe's sigma from here to sigma_max, n from exponent_min
                                  to 1 / sigma_floor^2, ends included: see brdffit_result.sigma_floor, the largest */
 } brdffit_lobe;
 
 /* Why the search stopped. */
 typedef enum brdffit_stop {
     BRDFFIT_STOP_RELATIVE_GAP = 0, /* proven to relative_gap */
-    BRDFFIT_STOP_ABSOLUTE_GAP,     /* proven to absolute_gap: E^2 is at rounding level */
-    BRDFFIT_STOP_RESOLUTION,       /* every box left is narrower than sigma_resolution */
-    BRDFFIT_STOP_ROUNDING,         /* boxes cannot be split further in floating point, or the gap is closed but for
+    BRDFFIT_STOP_ABSOLUTE_GAP, /* proven to absolute_gap: E^2 is at rounding level */
+    BRDFFIT_STOP_RESOLUTION, /* every box left is narrower than sigma_resolution */
+    BRDFFIT_STOP_ROUNDING, /* boxes cannot be split further in floating point, or the gap is closed but for
                                       e2_error */
-    BRDFFIT_STOP_BUDGET,           /* box_budget is used up */
-    BRDFFIT_STOP_MEMORY,           /* no room even to go on depth first: not with brdffit_workspace_size() bytes */
-    BRDFFIT_STOP_CANCELLED,        /* the progress callback said so */
-    BRDFFIT_STOP_CONTRADICTION,    /* the bound came out above e2 by more than e2_error: an error of this library;
+    BRDFFIT_STOP_BUDGET, /* box_budget is used up */
+    BRDFFIT_STOP_MEMORY, /* no room even to go on depth first: not with brdffit_workspace_size() bytes */
+    BRDFFIT_STOP_CANCELLED, /* the progress callback said so */
+    BRDFFIT_STOP_CONTRADICTION, /* the bound came out above e2 by more than e2_error: an error of this library;
                                       nothing is proven, lower_bound is 0 */
     BRDFFIT_STOP_COUNT
 } brdffit_stop;
@@ -360,41 +360,41 @@ typedef struct brdffit_result {
     const brdffit_model *model;
     const brdffit_lobe *const *lobe; /* P pointers, in the order of model->sigma */
     const double *channel_scale; /* K divisors, > 0 */
-    const double *rms;           /* K root mean square (weighted) radiance residuals, data's units */
-    double rms_total;            /* sqrt(sum w r^2 / (K sum w)) over all channels, whatever the norm; units that were
+    const double *rms; /* K root mean square (weighted) radiance residuals, data's units */
+    double rms_total; /* sqrt(sum w r^2 / (K sum w)) over all channels, whatever the norm; units that were
                                     minimised */
-    double e2;                   /* E^2 of `model` as it is published, sigma, x and y in doubles, on the samples */
-    double e2_error;             /* how far e2 may be from that, proven: by rounding (some 1e-14 sqrt(e2
+    double e2; /* E^2 of `model` as it is published, sigma, x and y in doubles, on the samples */
+    double e2_error; /* how far e2 may be from that, proven: by rounding (some 1e-14 sqrt(e2
                                     sum_of_squares)), by Lafortune lobes where r.v may be 0,
                                     and by what brdffit_fit_sums() does not know */
-    double lower_bound;          /* proven: no model of this form has a smaller E^2; >= 0 */
-    double gap;                  /* e2 - lower_bound, >= 0 */
-    double sum_of_squares;       /* E^2 of the zero model */
-    double sigma_floor;          /* what is proven is proven for sigma in [sigma_floor, sigma_max], ends included, and
+    double lower_bound; /* proven: no model of this form has a smaller E^2; >= 0 */
+    double gap; /* e2 - lower_bound, >= 0 */
+    double sum_of_squares; /* E^2 of the zero model */
+    double sigma_floor; /* what is proven is proven for sigma in [sigma_floor, sigma_max], ends included, and
                                     the exponent from exponent_min to 1 / sigma_floor^2: sigma_min (exponent_max),
                                     unless no sample is near the mirror direction; then narrower lobes have
                                     coefficients y beyond any double (c_min / sigma^2 above about 710) and are outside
                                     of the model. Of several kinds of lobes, the largest. INFINITY when no lobe of some
                                     kind is left */
-    double sigma_tail;           /* roughness below which the data see no change, so that nothing is searched there
+    double sigma_tail; /* roughness below which the data see no change, so that nothing is searched there
                                     (engine moment and socp, and the norms alike); sigma_min when there is no such
                                     tail */
-    double kkt_residual;         /* of the coefficients given sigma, relative to the data's norm; L1 and LINF:
+    double kkt_residual; /* of the coefficients given sigma, relative to the data's norm; L1 and LINF:
                                     largest duality gap of a channel's linear program, proven, relative to its zero
                                     model */
     brdffit_stop stop;
-    int certified;               /* 1 when stop is a gap, which even e2 + e2_error meets; 0: incumbent and bound are
+    int certified; /* 1 when stop is a gap, which even e2 + e2_error meets; 0: incumbent and bound are
                                     valid, gap is open (but for BRDFFIT_STOP_CONTRADICTION) */
-    size_t boxes;                /* bounded by the search */
-    size_t nodes;                /* one-dimensional evaluations; engine socp, norms L1 and LINF: restricted
+    size_t boxes; /* bounded by the search */
+    size_t nodes; /* one-dimensional evaluations; engine socp, norms L1 and LINF: restricted
                                     problems */
-    size_t programs_solved;      /* cone programs (L1 and LINF: linear programs) solved by ECOS */
-    size_t programs_refused;     /* of these, without a certificate that holds: the box was kept */
-    size_t programs_decided;     /* boxes that needed no program */
-    size_t distinct_c;           /* samples were merged into this many distinct c */
-    size_t channels_zero;        /* channels without signal, and channels whose data equal another's: bounds (L2,
+    size_t programs_solved; /* cone programs (L1 and LINF: linear programs) solved by ECOS */
+    size_t programs_refused; /* of these, without a certificate that holds: the box was kept */
+    size_t programs_decided; /* boxes that needed no program */
+    size_t distinct_c; /* samples were merged into this many distinct c */
+    size_t channels_zero; /* channels without signal, and channels whose data equal another's: bounds (L2,
                                     engine */
-    size_t channels_identical;   /* moment) did without them */
+    size_t channels_identical; /* moment) did without them */
     size_t samples_used;
     const size_t *samples_skipped; /* BRDFFIT_SKIP_COUNT counts, by brdffit_skip */
 } brdffit_result;
@@ -449,14 +449,14 @@ BRDFFIT_API brdffit_status brdffit_fit(const brdffit_samples *samples, const brd
 /* Phases, in order, as seen by the progress callback. */
 typedef enum brdffit_phase {
     BRDFFIT_PHASE_REDUCED = 0, /* samples are reduced to moments; the search starts */
-    BRDFFIT_PHASE_SEARCH       /* a step of the search is done */
+    BRDFFIT_PHASE_SEARCH /* a step of the search is done */
 } brdffit_phase;
 
 /* What the progress callback is shown. */
 typedef struct brdffit_progress {
     brdffit_phase phase;
-    size_t boxes;       /* bounded so far */
-    double e2;          /* best objective so far */
+    size_t boxes; /* bounded so far */
+    double e2; /* best objective so far */
     double lower_bound; /* proven so far */
 } brdffit_progress;
 
@@ -466,12 +466,12 @@ typedef struct brdffit_progress {
  * the box at the end reaches down to the result's sigma_floor.
  */
 typedef struct brdffit_box {
-    int lobes;                /* P */
-    int level;                /* times that its sides were halved (in ln sigma) since the first partition, sum over
+    int lobes; /* P */
+    int level; /* times that its sides were halved (in ln sigma) since the first partition, sum over
                                  lobes */
-    const double *sigma_low;  /* P sides each; 1/sqrt(n) where the parameter is the exponent n */
+    const double *sigma_low; /* P sides each; 1/sqrt(n) where the parameter is the exponent n */
     const double *sigma_high;
-    double lower_bound;       /* proven: no model with its roughness in the box has a smaller E^2 (units of
+    double lower_bound; /* proven: no model with its roughness in the box has a smaller E^2 (units of
                                  result->e2). Once this closes the box, it is made no tighter */
 } brdffit_box;
 
@@ -523,8 +523,8 @@ typedef struct brdffit_texels {
     size_t count;
     const void *values;
     brdffit_type type;
-    double scale;            /* finite and > 0 */
-    ptrdiff_t texel_stride;  /* these three in elements; any sign */
+    double scale; /* finite and > 0 */
+    ptrdiff_t texel_stride; /* these three in elements; any sign */
     ptrdiff_t sample_stride;
     ptrdiff_t channel_stride;
     const unsigned char *mask; /* count; 0: skip this texel and do not look at its values. NULL: use all */
@@ -537,11 +537,11 @@ BRDFFIT_API void brdffit_texels_init_sized(brdffit_texels *texels, size_t struct
 /* What became of a texel. */
 typedef enum brdffit_texel_status {
     BRDFFIT_TEXEL_CERTIFIED = 0, /* E^2 and bound within relative_gap or absolute_gap */
-    BRDFFIT_TEXEL_OPEN,          /* the search stopped early (`stop` says why): incumbent and bound are valid */
-    BRDFFIT_TEXEL_NO_SIGNAL,     /* every used value is zero: so is the model, and that is certified */
-    BRDFFIT_TEXEL_MASKED,        /* not looked at */
-    BRDFFIT_TEXEL_BAD_VALUE,     /* a used value is NaN or infinite: `where` says which */
-    BRDFFIT_TEXEL_REFUSED,       /* values that brdffit_fit() would refuse otherwise, e.g. all below 1e-304 */
+    BRDFFIT_TEXEL_OPEN, /* the search stopped early (`stop` says why): incumbent and bound are valid */
+    BRDFFIT_TEXEL_NO_SIGNAL, /* every used value is zero: so is the model, and that is certified */
+    BRDFFIT_TEXEL_MASKED, /* not looked at */
+    BRDFFIT_TEXEL_BAD_VALUE, /* a used value is NaN or infinite: `where` says which */
+    BRDFFIT_TEXEL_REFUSED, /* values that brdffit_fit() would refuse otherwise, e.g. all below 1e-304 */
     BRDFFIT_TEXEL_STATUS_COUNT
 } brdffit_texel_status;
 
@@ -556,18 +556,18 @@ BRDFFIT_API const char *brdffit_texel_status_string(brdffit_texel_status status)
  */
 typedef struct brdffit_texel_results {
     size_t struct_size;
-    double *sigma;         /* count x P, in the order of a result's */
-    double *x;             /* count x K */
-    double *y;             /* count x K x P */
+    double *sigma; /* count x P, in the order of a result's */
+    double *x; /* count x K */
+    double *y; /* count x K x P */
     double *channel_scale; /* count x K */
-    double *e2;            /* count */
-    double *lower_bound;   /* count; proven */
+    double *e2; /* count */
+    double *lower_bound; /* count; proven */
     double *sum_of_squares; /* count; E^2 of the zero model */
     unsigned char *status; /* count; brdffit_texel_status */
-    unsigned char *stop;   /* count; brdffit_stop, of texels that are CERTIFIED or OPEN; else >= BRDFFIT_STOP_COUNT */
-    size_t *where;         /* count; BAD_VALUE: sample * K + channel; else BRDFFIT_NONE */
-    size_t *boxes;         /* count; bounded by the search */
-    double *sigma_floor;   /* count; of what lower_bound is proven for, as in brdffit_result or lower */
+    unsigned char *stop; /* count; brdffit_stop, of texels that are CERTIFIED or OPEN; else >= BRDFFIT_STOP_COUNT */
+    size_t *where; /* count; BAD_VALUE: sample * K + channel; else BRDFFIT_NONE */
+    size_t *boxes; /* count; bounded by the search */
+    double *sigma_floor; /* count; of what lower_bound is proven for, as in brdffit_result or lower */
 } brdffit_texel_results;
 
 /* Zero: every array NULL. NULL is fine: nothing happens. */
@@ -648,11 +648,11 @@ typedef struct brdffit_row {
     size_t struct_size;
     size_t differences, azimuths;
     double sin_half, cos_half; /* >= 0; tan^2 alpha is (sin_half / cos_half)^2 */
-    double horizon;            /* >= 0 */
+    double horizon; /* >= 0 */
     const double *sin_difference, *cos_difference; /* differences each, in [0, 1] */
-    const double *cos_azimuth;                     /* azimuths, in [-1, 1] */
+    const double *cos_azimuth; /* azimuths, in [-1, 1] */
     const void *const *entries; /* per channel, differences x azimuths doubles of any alignment (a mapped file) */
-    const double *scale;        /* per channel: f_r = entry * scale; > 0 */
+    const double *scale; /* per channel: f_r = entry * scale; > 0 */
 } brdffit_row;
 
 /* Set struct_size, and zero elsewhere. NULL is fine: nothing happens. */
@@ -695,15 +695,15 @@ BRDFFIT_API brdffit_status brdffit_fit_sums(const brdffit_sums *sums, const brdf
 
 /* What brdffit_verify() found. */
 typedef struct brdffit_verification {
-    double level;      /* of E^2, as asked for */
-    int proven;        /* 1: every leaf of a covering of the domain is discarded, so no model has a smaller E^2 */
+    double level; /* of E^2, as asked for */
+    int proven; /* 1: every leaf of a covering of the domain is discarded, so no model has a smaller E^2 */
     brdffit_stop stop; /* when not proven, why it ended: budget, memory, cancelled, resolution or rounding */
-    size_t boxes;      /* bounded */
-    size_t leaves;     /* of these, discarded with a proof: disjoint, and all of the domain when proven */
-    size_t solved;     /* cone programs solved by ECOS */
-    size_t refused;    /* of these, without a certificate that holds: the box was split instead */
-    size_t decided;    /* boxes that needed no cone program */
-    double unproven;   /* share of the domain (by ln s, each pair of lobes once) that is not discarded; 0 if
+    size_t boxes; /* bounded */
+    size_t leaves; /* of these, discarded with a proof: disjoint, and all of the domain when proven */
+    size_t solved; /* cone programs solved by ECOS */
+    size_t refused; /* of these, without a certificate that holds: the box was split instead */
+    size_t decided; /* boxes that needed no cone program */
+    double unproven; /* share of the domain (by ln s, each pair of lobes once) that is not discarded; 0 if
                           proven */
 } brdffit_verification;
 
@@ -732,8 +732,8 @@ BRDFFIT_API brdffit_status brdffit_verify(const brdffit_samples *samples, const 
 typedef enum brdffit_skip {
     BRDFFIT_SKIP_ZERO_WEIGHT = 0,
     BRDFFIT_SKIP_LIGHT_BELOW_HORIZON, /* n.l <= 0 */
-    BRDFFIT_SKIP_VIEW_BELOW_HORIZON,  /* n.v <= 0 */
-    BRDFFIT_SKIP_INCIDENCE,           /* light further from the normal than max_incidence */
+    BRDFFIT_SKIP_VIEW_BELOW_HORIZON, /* n.v <= 0 */
+    BRDFFIT_SKIP_INCIDENCE, /* light further from the normal than max_incidence */
     BRDFFIT_SKIP_COUNT
 } brdffit_skip;
 
@@ -755,16 +755,16 @@ BRDFFIT_API void brdffit_sums_count(const brdffit_sums *sums, size_t *used, size
 /* What brdffit_fit_many() did, and did not need to. Counts are added to what the struct holds; init zeroes them. */
 typedef struct brdffit_many_stats {
     size_t struct_size;
-    size_t texels;           /* the sum of the next three lines */
+    size_t texels; /* the sum of the next three lines */
     size_t certified, open;
     size_t masked, no_signal, bad_value, refused;
-    size_t equal;            /* data equal those of the texel before, bit for bit: its result was copied */
-    size_t general;          /* certified or open texels that took the path of brdffit_fit() */
-    size_t zero_channels;    /* channels without signal of texels that have some */
-    size_t equal_channels;   /* channels that repeat an earlier one of their texel, bit for bit */
-    size_t boxes;            /* bounded */
-    size_t nodes;            /* evaluations of the restricted problem, or of its sums, at one roughness */
-    size_t one_lobe_enough;  /* two lobes fitted, and the best single lobe is within the gap of their bound
+    size_t equal; /* data equal those of the texel before, bit for bit: its result was copied */
+    size_t general; /* certified or open texels that took the path of brdffit_fit() */
+    size_t zero_channels; /* channels without signal of texels that have some */
+    size_t equal_channels; /* channels that repeat an earlier one of their texel, bit for bit */
+    size_t boxes; /* bounded */
+    size_t nodes; /* evaluations of the restricted problem, or of its sums, at one roughness */
+    size_t one_lobe_enough; /* two lobes fitted, and the best single lobe is within the gap of their bound
                                 already */
 } brdffit_many_stats;
 

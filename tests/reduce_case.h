@@ -166,7 +166,9 @@ static inline void check_sums(const struct problem *p, const struct reduced *r)
     within("total", r->total, total, SUM_ERROR * total);
     assert_int_equal(r->stride % LANES, 0);
     for (j = 0; j < r->stride; j++) {
-        assert_true(j == 0 ? r->table[0].c[j] == 0.0 : j < r->distinct ? r->table[0].c[j] > r->table[0].c[j - 1] : r->table[0].bb[j] == 0.0);
+        assert_true(j == 0            ? r->table[0].c[j] == 0.0
+                    : j < r->distinct ? r->table[0].c[j] > r->table[0].c[j - 1]
+                                      : r->table[0].bb[j] == 0.0);
         check_group(p, r, j);
     }
 }
@@ -188,7 +190,8 @@ static inline void check_rows(const struct problem *p, const struct reduced *r, 
             y[j] = brdffit_test_uniform(&random, -2.0, 2.0);
         }
         for (i = 0; i < p->count; i++) {
-            long double a = p->a[i] / r->scale_a, b = p->b[i] / r->table[0].scale_b, v = value(p, r, i, k), along = 0.0L;
+            long double a = p->a[i] / r->scale_a, b = p->b[i] / r->table[0].scale_b, v = value(p, r, i, k),
+                        along = 0.0L;
 
             for (j = 0; j < r->distinct; j++) {
                 along = p->c[i] - r->table[0].c_min == r->table[0].c[j] ? y[j] : along;

@@ -113,14 +113,14 @@ static void try_file(const char *name, const brdffit_distribution *distributions
     finish(&tally);
 }
 
-static const brdffit_distribution all_shapes[] = {BRDFFIT_BECKMANN, BRDFFIT_GGX, BRDFFIT_BLINN_PHONG,
-                                                  BRDFFIT_LAFORTUNE, BRDFFIT_TORRANCE_SPARROW};
+static const brdffit_distribution all_shapes[] = {BRDFFIT_BECKMANN, BRDFFIT_GGX, BRDFFIT_BLINN_PHONG, BRDFFIT_LAFORTUNE,
+                                                  BRDFFIT_TORRANCE_SPARROW};
 
-#define CASE(name, shapes)                                  \
-    static void test_##name(void **state)                   \
-    {                                                       \
-        (void)state;                                        \
-        try_file(#name, all_shapes, shapes);                \
+#define CASE(name, shapes)                                                                                             \
+    static void test_##name(void **state)                                                                              \
+    {                                                                                                                  \
+        (void)state;                                                                                                   \
+        try_file(#name, all_shapes, shapes);                                                                           \
     }
 
 CASE(a_subnormal_min, 2)

@@ -39,7 +39,9 @@ static void heap_against_sorted(struct heap *heap, uint64_t seed)
     heap->count = 0;
     for (step = 0; step < 6000; step++) {
         if (count == 0 || (step % 2000 < 1200 ? brdffit_test_below(&random, 10) < 7 : step % 2 == 0)) {
-            struct box box = {.bound = (double)brdffit_test_below(&random, 12), .sequence = sequence++, .interval = {(uint32_t)step, 1}};
+            struct box box = {.bound = (double)brdffit_test_below(&random, 12),
+                              .sequence = sequence++,
+                              .interval = {(uint32_t)step, 1}};
             int pushed = brdffit_heap_push(heap, &box);
 
             assert_int_equal(pushed, count < heap->capacity);

@@ -98,8 +98,10 @@ static void assert_same_bits(const struct brdffit_test_result *p, const struct b
     struct brdffit_test_result a = *p, b = *q;
 
     a.model.x = b.model.x = a.model.y = b.model.y = NULL;
+    a.model.distributions = b.model.distributions = NULL;
     a.channel_scale = b.channel_scale = a.rms = b.rms = NULL;
     assert_memory_equal(&a, &b, sizeof a);
+    assert_memory_equal(p->model.distributions, q->model.distributions, (size_t)lobes * sizeof(brdffit_distribution));
     assert_memory_equal(p->model.x, q->model.x, channels * sizeof(double));
     assert_memory_equal(p->model.y, q->model.y, channels * (size_t)lobes * sizeof(double));
     assert_memory_equal(p->rms, q->rms, channels * sizeof(double));

@@ -30,7 +30,8 @@ distributed = pytest.importorskip("distributed")
 xarray = pytest.importorskip("xarray")
 zarr = pytest.importorskip("zarr")
 
-FIELDS = ("sigma", "x", "y", "channel_scale", "e2", "lower_bound", "sum_of_squares", "status", "stop", "where", "boxes")
+FIELDS = ("sigma", "x", "y", "channel_scale", "e2", "lower_bound", "sum_of_squares", "status", "stop", "where", "boxes",
+          "sigma_floor")
 PATIENCE = 120
 
 

@@ -167,7 +167,7 @@ def test_weights_views_and_samples_as_geometry(desk):
     assert (weighted.status == CERTIFIED).all() and weighted.samples_skipped["zero_weight"] == 17
     keep = weights > 0
     assert np.allclose(weighted.sigma, brdffit.fit_map(part[keep], light[keep], view[keep]).sigma, rtol=1e-3)
-    geometry = brdffit.Samples.from_arrays(3 * light, view, np.zeros(84), weights=weights)
+    geometry = brdffit.Samples.from_arrays(4 * light, view, np.zeros(84), weights=weights)
     assert same(weighted, brdffit.fit_map(spoilt, geometry))
     assert same(brdffit.fit_map(part, light), brdffit.fit_map(part, light, [0, 0, 1]))
     assert same(brdffit.fit_map(part, light, [0, 0, 1]), brdffit.fit_map(part, light, np.tile([0, 0, 2.0], (84, 1))))

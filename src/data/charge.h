@@ -40,7 +40,8 @@ struct charge {
     double hidden, hidden_c;    /* norm of what samples with b = 0 may hide, and their least c - c_min */
     double hidden_data;         /* norm of their data */
     double most_hidden;         /* largest b_hidden of a sample */
-    double any_hidden, any_c;   /* as hidden and hidden_c, of samples with any data: what a published model may be off by */
+    double any_hidden,
+        any_c;   /* as hidden and hidden_c, of samples with any data: what a published model may be off by */
     double root;                /* norm of all data, twice that where the norm is not l2 */
     brdffit_norm norm;          /* not l2: objectives are norms, and not their squares */
     double least, all, mean;    /* norms of b over c_min and over all samples; mean c - c_min under it */

@@ -15,13 +15,13 @@
  * What is hidden against |g*| of an exponential lobe: |g| is at least that of c_min's samples, and by Jensen's inequality at
  * least exp(-mean s) that of all b; |g*| is (1 - error) of it.
  */
-static double hidden_share(const struct charge *c, double hidden, double hidden_c, double low, double high, double error)
+static double hidden_share(const struct charge *c, double hidden, double hidden_c, double low, double high,
+                           double error)
 {
     double size = larger(c->least, c->all * kernel_exp(-c->mean * kernel_exp(high)));
 
-    return size > 0.0 && error < 0.5
-               ? SAFE * hidden * kernel_exp(-hidden_c * kernel_exp(low)) / (size * (1.0 - error))
-               : (double)INFINITY;
+    return size > 0.0 && error < 0.5 ? SAFE * hidden * kernel_exp(-hidden_c * kernel_exp(low)) / (size * (1.0 - error))
+                                     : (double)INFINITY;
 }
 
 /* The error of a lobe of any theta in [low, high]. */

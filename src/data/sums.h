@@ -53,7 +53,8 @@ struct brdffit_sums {
 
     struct sums_errors *errors; /* capacity */
     double light_error;      /* largest of a sample */
-    double hidden, hidden_c, any_hidden, any_c, hidden_data; /* of charge.h, squares, in the caller's units; the data over largest[] */
+    double hidden, hidden_c, any_hidden, any_c,
+        hidden_data; /* of charge.h, squares, in the caller's units; the data over largest[] */
 
     double *largest;         /* K: largest radiance, >= 0 */
     double *magnitude;       /* K: largest |radiance| */

@@ -37,8 +37,11 @@ ENVIRONMENT_APART static brdffit_status parse_there(const unsigned char *data, s
     if (!table) {
         return brdffit_io_no_memory(error);
     }
-    status = format == BRDFFIT_IO_FORMAT_CSV ? brdffit_io_csv_read(data, size, options, table, error)
-                                             : brdffit_io_merl_read(data, size, options, table, error);
+    switch (format) { /* no default: the compiler names a format that nobody reads */
+    case BRDFFIT_IO_FORMAT_CSV: status = brdffit_io_csv_read(data, size, options, table, error); break;
+    case BRDFFIT_IO_FORMAT_MERL: status = brdffit_io_merl_read(data, size, options, table, error); break;
+    case BRDFFIT_IO_FORMAT_AUTO: break; /* brdffit_io_detect() has found one */
+    }
     if (status != BRDFFIT_OK) {
         brdffit_io_free(&table->open);
         return status;

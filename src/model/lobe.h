@@ -25,12 +25,12 @@
 
 /* What b is made of in a row of a table in half/difference angles, given l = n.l and v = n.v (data/table_row.h). */
 enum table_row_kind {
+    TABLE_ROW_NONE,     /* c is not the row's alone, or nobody said otherwise: no rows of it */
     TABLE_ROW_SHADOWED, /* min(1, shared min(l, v)) / v, shared = 2 (n.h) / (v.h) */
     TABLE_ROW_ROOT,     /* sqrt(l / v) */
     TABLE_ROW_LIGHT,    /* l */
     TABLE_ROW_SIDE,     /* shared l / max(l, v), shared = 1 / (v.h) */
-    TABLE_ROW_KINDS,
-    TABLE_ROW_NONE      /* c is not the row's alone */
+    TABLE_ROW_KINDS
 };
 
 struct lobe_kind {

@@ -23,9 +23,10 @@ static int usage(void)
 {
     int f;
 
-    fputs("campaign SEED COUNT [--from N] [--family NAME] [--effort N] [--boxes N] [--proofs N] [--print N] [--keep DIR] "
-          "[--progress N]\ncampaign replay FILE...\nfamilies:",
-          stderr);
+    fputs(
+        "campaign SEED COUNT [--from N] [--family NAME] [--effort N] [--boxes N] [--proofs N] [--print N] [--keep DIR] "
+        "[--progress N]\ncampaign replay FILE...\nfamilies:",
+        stderr);
     for (f = 0; f < draw_family_count; f++) {
         fprintf(stderr, " %s", draw_families[f].name);
     }

@@ -51,15 +51,9 @@ static size_t fit(const struct draw *d, struct fit_view *views)
 {
     switch (d->route) {
     case DRAW_SUMS:
-    case DRAW_BINS:
-        fit_view_sums(views, &d->question, d->groups, d->bits);
-        return 1;
-    case DRAW_MANY:
-        fit_view_many(views, d->texels, d->values, &d->question);
-        return d->texels;
-    default:
-        fit_view_new(views, &d->question);
-        return 1;
+    case DRAW_BINS: fit_view_sums(views, &d->question, d->groups, d->bits); return 1;
+    case DRAW_MANY: fit_view_many(views, d->texels, d->values, &d->question); return d->texels;
+    default: fit_view_new(views, &d->question); return 1;
     }
 }
 
@@ -234,7 +228,8 @@ void campaign_table(const struct campaign_row *row, FILE *to)
         fprintf(to, "%-12s %8lu %8lu %9lu %8lu ", draw_families[f].name, r->fits, r->refused, r->certified, r->faulty);
         for (kind = 0; kind < JUDGE_COUNT; kind++) {
             if (r->fault[kind]) {
-                fprintf(to, " %s: %lu, %.2g", judge_fault_string((enum judge_fault)kind), r->fault[kind], r->worst[kind]);
+                fprintf(to, " %s: %lu, %.2g", judge_fault_string((enum judge_fault)kind), r->fault[kind],
+                        r->worst[kind]);
                 if (kind == JUDGE_BOUND) {
                     fprintf(to, " (%.2g)", r->worst_total);
                 }

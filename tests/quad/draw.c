@@ -96,7 +96,7 @@ void draw_shape(struct draw *d, size_t count, size_t channels, size_t texels, br
     s->values = d->values = next + count;
     d->texels = texels;
     s->quantity = form == BRDFFIT_FORM_COEFFICIENTS || draw_one_in(d, 2) ? BRDFFIT_QUANTITY_RADIANCE
-                                                                          : BRDFFIT_QUANTITY_BRDF;
+                                                                         : BRDFFIT_QUANTITY_BRDF;
     fit_question_init(&d->question, s, lobes, (brdffit_distribution)draw_below(d, BRDFFIT_DISTRIBUTION_COUNT));
     for (j = 1; j < lobes && mixed; j++) { /* ascending, so that lobes of one distribution stand together */
         int rest = BRDFFIT_DISTRIBUTION_COUNT - (int)d->question.distribution[j - 1];
@@ -243,7 +243,8 @@ void draw_truth(struct draw *d, double low, double high, double noise)
     if (draw_one_in(d, 4)) {
         distribution[0] = (brdffit_distribution)draw_below(d, BRDFFIT_DISTRIBUTION_COUNT);
     }
-    if (!row || !one || quad_problem_new(&p, &d->samples, &d->question.options, 1 + (int)draw_below(d, 2), distribution)) {
+    if (!row || !one ||
+        quad_problem_new(&p, &d->samples, &d->question.options, 1 + (int)draw_below(d, 2), distribution)) {
         abort();
     }
     find_rows(d, &p, row);

@@ -22,7 +22,8 @@ void draw_relative(struct draw *d)
     double sigma = draw_power(d, -1.7, -0.5), noise = draw_one_in(d, 3) ? 0.0 : draw_power(d, -3.0, -0.5);
     size_t i, k;
 
-    draw_shape(d, 3 + draw_below(d, draw_one_in(d, 4) ? 38 : 10), 1 + draw_below(d, 2), 1, (brdffit_form)draw_below(d, 3));
+    draw_shape(d, 3 + draw_below(d, draw_one_in(d, 4) ? 38 : 10), 1 + draw_below(d, 2), 1,
+               (brdffit_form)draw_below(d, 3));
     draw_options(d);
     draw_geometry(d, 60.0);
     d->no_diffuse = !draw_one_in(d, 3);
@@ -63,7 +64,8 @@ void draw_spans(struct draw *d)
 
         d->b[i] = pow(10.0, weights ? power / 2 : power);
         d->weights[i] = weights ? pow(10.0, power) : d->weights[i];
-        d->c[i] = draw_one_in(d, 6) ? draw_power(d, -4.0, 1.0) : power * 2.302585 / meet * fabs(1.0 + apart * draw_normal(d));
+        d->c[i] = draw_one_in(d, 6) ? draw_power(d, -4.0, 1.0)
+                                    : power * 2.302585 / meet * fabs(1.0 + apart * draw_normal(d));
     }
     draw_truth(d, 1.0 / sqrt(100.0 * meet), 3.0 / sqrt(meet), draw_one_in(d, 4) ? 0.0 : draw_power(d, -6.0, 0.0));
     for (i = 0; i < n && draw_one_in(d, 3); i++) {

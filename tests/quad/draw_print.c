@@ -26,8 +26,9 @@ static void print_options(const struct draw *d, FILE *to)
     fprintf(to, "; norm %s; engine %s; normalise %s; quantity %s\n", brdffit_norm_string(o->norm),
             brdffit_engine_string(o->engine), o->normalise == BRDFFIT_NORMALISE_NONE ? "none" : "max",
             d->samples.quantity == BRDFFIT_QUANTITY_BRDF ? "brdf" : "radiance");
-    fprintf(to, "# sigma %.17g %.17g; exponent %.17g %.17g; relative_gap %.17g; absolute_gap %.17g; box_budget %zu; "
-                "max_incidence %.17g; isa %s\n",
+    fprintf(to,
+            "# sigma %.17g %.17g; exponent %.17g %.17g; relative_gap %.17g; absolute_gap %.17g; box_budget %zu; "
+            "max_incidence %.17g; isa %s\n",
             o->sigma_min, o->sigma_max, o->exponent_min, o->exponent_max, o->relative_gap, o->absolute_gap,
             o->box_budget, o->max_incidence, brdffit_isa_string(o->isa));
 }

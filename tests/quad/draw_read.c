@@ -76,7 +76,8 @@ static void read_names(struct draw *d, const char *line)
     d->question.lobes = words_after(line, "; lobes", word);
     d->question.lobes = d->question.lobes < QUAD_LOBES ? d->question.lobes : QUAD_LOBES;
     for (j = 0; j < d->question.lobes; j++) {
-        d->question.distribution[j] = (brdffit_distribution)find(word[j], BRDFFIT_DISTRIBUTION_COUNT, distribution_name);
+        d->question.distribution[j] = (brdffit_distribution)find(word[j], BRDFFIT_DISTRIBUTION_COUNT,
+                                                                 distribution_name);
     }
     if (words_after(line, "; norm", word)) {
         o->norm = (brdffit_norm)find(word[0], BRDFFIT_NORM_COUNT, norm_name);
@@ -93,10 +94,11 @@ static void read_numbers(struct draw *d, const char *line)
     brdffit_options *o = &d->question.options;
     char isa[WORD] = "";
 
-    sscanf(line,
-           "# sigma %lf %lf; exponent %lf %lf; relative_gap %lf; absolute_gap %lf; box_budget %zu; max_incidence %lf; isa %31s",
-           &o->sigma_min, &o->sigma_max, &o->exponent_min, &o->exponent_max, &o->relative_gap, &o->absolute_gap,
-           &o->box_budget, &o->max_incidence, isa);
+    sscanf(
+        line,
+        "# sigma %lf %lf; exponent %lf %lf; relative_gap %lf; absolute_gap %lf; box_budget %zu; max_incidence %lf; isa %31s",
+        &o->sigma_min, &o->sigma_max, &o->exponent_min, &o->exponent_max, &o->relative_gap, &o->absolute_gap,
+        &o->box_budget, &o->max_incidence, isa);
     o->isa = (brdffit_isa)find(isa, BRDFFIT_ISA_COUNT, isa_name);
     o->isa = brdffit_isa_supported(o->isa) ? o->isa : BRDFFIT_ISA_AUTO;
 }
@@ -120,7 +122,7 @@ static size_t columns_of(const char *line)
 /* Room and form, from the header. */
 static void read_header(struct draw *d, const char *line)
 {
-    brdffit_form form = strstr(line, "lx,") ? BRDFFIT_FORM_DIRECTIONS
+    brdffit_form form = strstr(line, "lx,")         ? BRDFFIT_FORM_DIRECTIONS
                         : strstr(line, "cos_light") ? BRDFFIT_FORM_ANGLES
                                                     : BRDFFIT_FORM_COEFFICIENTS;
     brdffit_quantity quantity = d->samples.quantity;
@@ -143,10 +145,18 @@ static void read_row(struct draw *d, char *line)
     const brdffit_samples *s = &d->samples;
     int form = (int)s->form;
     struct target target[] = {
-        {form == 0 ? 3 : 0, d->light},   {form == 0 ? 3 : 0, d->view}, {s->normal ? 3 : 0, d->normal},
-        {form == 1, d->cos_light},       {form == 1, d->cos_view},     {form == 1, d->tan2_half},
-        {form == 1, d->cos_difference},  {form == 2, d->a},            {form == 2, d->b},
-        {form == 2, d->c},               {s->weights != NULL, d->weights}, {s->channels, d->values},
+        {form == 0 ? 3 : 0, d->light},
+        {form == 0 ? 3 : 0, d->view},
+        {s->normal ? 3 : 0, d->normal},
+        {form == 1, d->cos_light},
+        {form == 1, d->cos_view},
+        {form == 1, d->tan2_half},
+        {form == 1, d->cos_difference},
+        {form == 2, d->a},
+        {form == 2, d->b},
+        {form == 2, d->c},
+        {s->weights != NULL, d->weights},
+        {s->channels, d->values},
     };
     size_t t, j, i = s->count;
     char *next = line;

@@ -69,7 +69,7 @@ static void allocate_view(struct fit_view *view, int lobes, size_t channels)
 
 static int lobe_nans(const brdffit_lobe *lobe)
 {
-    double numbers[8] = {lobe->sigma,         lobe->sigma_low,     lobe->sigma_high, lobe->exponent,
+    double numbers[8] = {lobe->sigma,        lobe->sigma_low,     lobe->sigma_high, lobe->exponent,
                          lobe->exponent_low, lobe->exponent_high, lobe->weight,     lobe->effective_samples};
     int i, nans = 0;
 

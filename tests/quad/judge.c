@@ -19,8 +19,8 @@
 #define GAP_AFTER_ABSOLUTE 1e-27
 #define GAP_AFTER_LINEAR 1e-14 /* L1 and LINF, which do not square */
 
-static const char *const names[JUDGE_COUNT] = {"bound", "e2",    "gap", "gap_round", "order", "range",
-                                               "nan",   "scale", "used", "box", "proof"};
+static const char *const names[JUDGE_COUNT] = {"bound", "e2",    "gap",  "gap_round", "order", "range",
+                                               "nan",   "scale", "used", "box",       "proof"};
 
 const char *judge_fault_string(enum judge_fault fault)
 {

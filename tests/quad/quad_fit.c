@@ -279,7 +279,8 @@ int quad_solve(quad *matrix, quad *right, int n)
             return 0;
         }
         for (j = 0; pivot != k && j <= n; j++) {
-            quad *p = j < n ? matrix + k * stride + j : right + k, *q = j < n ? matrix + pivot * stride + j : right + pivot;
+            quad *p = j < n ? matrix + k * stride + j : right + k,
+                 *q = j < n ? matrix + pivot * stride + j : right + pivot;
             quad swap = *p;
 
             *p = *q;

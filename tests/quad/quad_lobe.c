@@ -67,15 +67,11 @@ quad quad_lambda(brdffit_distribution distribution, quad s)
     const quad pi = quad_pi();
 
     switch (distribution) {
-    case BRDFFIT_TORRANCE_SPARROW:
-        return 1;
+    case BRDFFIT_TORRANCE_SPARROW: return 1;
     case BRDFFIT_BLINN_PHONG:
-    case BRDFFIT_LAFORTUNE:
-        return (s + 2) / (2 * pi);
-    case BRDFFIT_ASHIKHMIN_SHIRLEY:
-        return (s + 1) / (8 * pi);
-    default: /* Beckmann, GGX, Ward */
-        return s;
+    case BRDFFIT_LAFORTUNE: return (s + 2) / (2 * pi);
+    case BRDFFIT_ASHIKHMIN_SHIRLEY: return (s + 1) / (8 * pi);
+    default: /* Beckmann, GGX, Ward */ return s;
     }
 }
 

@@ -126,7 +126,8 @@ static int near(quad x, quad limit, double by)
 }
 
 /* BRDFFIT_SKIP_COUNT when the sample counts. */
-static brdffit_skip classify(const brdffit_samples *s, const struct quad_angles *at, double max_incidence, int *doubtful)
+static brdffit_skip classify(const brdffit_samples *s, const struct quad_angles *at, double max_incidence,
+                             int *doubtful)
 {
     quad limit = max_incidence < 90.0 ? cosq((quad)max_incidence * (4 * atanq(1)) / 180) : -2;
 
@@ -134,10 +135,10 @@ static brdffit_skip classify(const brdffit_samples *s, const struct quad_angles 
         ++*doubtful;
     }
     *doubtful += near(at->nl, limit, 2e-12); /* the limit has an allowance of 1e-12 */
-    return !(at->nl > 0)                ? BRDFFIT_SKIP_LIGHT_BELOW_HORIZON
-           : !(at->nv > 0)              ? BRDFFIT_SKIP_VIEW_BELOW_HORIZON
+    return !(at->nl > 0)                  ? BRDFFIT_SKIP_LIGHT_BELOW_HORIZON
+           : !(at->nv > 0)                ? BRDFFIT_SKIP_VIEW_BELOW_HORIZON
            : at->nl < limit - (quad)1e-12 ? BRDFFIT_SKIP_INCIDENCE
-                                        : BRDFFIT_SKIP_COUNT;
+                                          : BRDFFIT_SKIP_COUNT;
 }
 
 int quad_row(const brdffit_samples *s, size_t i, brdffit_distribution distribution, double max_incidence,
