@@ -97,11 +97,24 @@ def test_every_line_of_a_norm_is_true(desk, name, norm):
         model.check_line(line, desk / name)
 
 
+# In-plane steps of 10 degrees: some samples are 90 degrees off the mirror direction, but for rounding. At an exponent of 0.1
+# a Lafortune lobe of 1e-16 is 0.025 there, or 0: the bound allows for both, and does not close.
+RIGHT_ANGLES = ["matte.csv", "two_lobe_outliers.csv"]
+
+
+def test_a_lobe_that_rounding_decides(desk):
+    (line,) = harness.fit("matte.csv", "--distribution", "lafortune", "--box-budget", "20000", expect=4, cwd=desk)
+    check_contract(line, 1)
+    assert line["status"] != "certified" and line["stop"] in ("budget", "rounding")
+    assert 0.8 * line["e2"] < line["lower_bound"] < line["e2"]
+
+
 @pytest.mark.parametrize("lobes", [1, 2])
 @pytest.mark.parametrize("distribution", model.DISTRIBUTIONS)
 @pytest.mark.parametrize("name", FILES)
 def test_every_line_is_true(desk, name, distribution, lobes):
-    (line,) = harness.fit(name, "--lobes", str(lobes), "--distribution", distribution, cwd=desk)
+    more = ["--exponent-min", "0.5"] if distribution == "lafortune" and name in RIGHT_ANGLES else []
+    (line,) = harness.fit(name, "--lobes", str(lobes), "--distribution", distribution, *more, cwd=desk)
     check_contract(line, lobes)
     assert line["status"] == "certified"
     assert line["distribution"] == distribution
