@@ -18,7 +18,6 @@ LAYERS = ["base", "kernels", "model", "data", "solve/conic", "solve", "search", 
           "fit", "batch", "api"]
 # Engines do not know each other.
 APART = {"bound/moment", "bound/socp", "bound/lp"}
-IO_LAYERS = ["io/bytes", "io", "io/csv", "io/merl", "io/arrays"]
 
 STANDARD = {"float.h", "limits.h", "math.h", "stddef.h", "stdint.h", "string.h", "stdalign.h"}
 # Headers beyond these, file by file.

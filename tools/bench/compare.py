@@ -37,7 +37,7 @@ def fits(build, options, files):
     command = [str(build / "brdffit"), "fit", "--json", *options, *map(str, files)]
     out = subprocess.run(command, capture_output=True, text=True, check=False).stdout
     lines = [json.loads(line) for line in out.splitlines()]
-    return (sum(line["certified"] for line in lines), sum(line["boxes"] for line in lines),
+    return (sum(line["status"] == "certified" for line in lines), sum(line["boxes"] for line in lines),
             sum(line["seconds"]["reduce"] + line["seconds"]["search"] for line in lines))
 
 
