@@ -163,7 +163,8 @@ def list_objective(case, theta):
         total = arb(0)
         for k, scale in enumerate(numbers(case["scale"])):
             unit = scale * arb(float.fromhex(case["value_scale"]))
-            value = decided_minimum(columns, [root * v / unit for root, v in zip(roots, numbers(case["values"][k::case["channels"]]))])
+            values = numbers(case["values"][k::case["channels"]])
+            value = decided_minimum(columns, [root * v / unit for root, v in zip(roots, values)])
             if value is None:
                 break
             total += value

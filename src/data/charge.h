@@ -107,7 +107,7 @@ void brdffit_charge_domain(struct reduced *reduced, const struct model *model, i
 struct doubt brdffit_charge_box(const struct reduced *reduced, const struct model *model, const double *low,
                                 const double *high);
 
-/* How far hidden lobes may take the objective's root (l1, linf: the objective) of a model with its lobes at theta. */
+/* How far sharp and hidden lobes may take the objective's root (l1, linf: the objective) of a model with its lobes at theta. */
 double brdffit_charge_point(const struct reduced *reduced, const struct model *model, const double *theta);
 
 /* A bound of at least this pays to one of at least `target`, but for rounding. */

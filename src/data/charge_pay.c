@@ -63,6 +63,7 @@ struct doubt brdffit_charge_box(const struct reduced *r, const struct model *mod
     return d;
 }
 
+/* Ordinary data's directions make less of it than the published doubles do. */
 double brdffit_charge_point(const struct reduced *r, const struct model *model, const double *theta)
 {
     double error = 0.0;
@@ -71,10 +72,12 @@ double brdffit_charge_point(const struct reduced *r, const struct model *model, 
     for (p = 0; p < model->lobes; p++) {
         int kind = model->lobe[p].kind;
         const struct charge *c = &r->table[model->geometry[kind]].charge;
+        const struct kind_charge *k = &r->kind_charge[kind];
+        double own = lobe_doubt(c, k, theta[p], theta[p]).error;
 
+        error += k->step > 0.0 ? own : 0.0;
         if (c->any_hidden > 0.0) {
-            error += hidden_share(c, c->any_hidden, c->any_c, theta[p], theta[p],
-                                  lobe_doubt(c, &r->kind_charge[kind], theta[p], theta[p]).error);
+            error += hidden_share(c, c->any_hidden, c->any_c, theta[p], theta[p], own);
         }
     }
     return error * r->table[0].charge.root;

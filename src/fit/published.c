@@ -15,7 +15,8 @@
  *
  * and by what triangles did to it, so that a channel's |r| is off by at most |d| in the same norm (Minkowski), and
  * E^2 = sum |r|^2 by at most sum 2 |r| |d| + |d|^2. Sums of norms l1 and linf are compensated, their own rounding is within
- * TOL_PUBLISHED; of l2, d is taken by norms. What samples may hide of a lobe (charge.h) is added.
+ * TOL_PUBLISHED; of l2, d is taken by norms. What directions make of sharp lobes, and what samples may
+ * hide of a lobe, is added (charge.h).
  */
 #include "fit/published.h"
 
@@ -248,8 +249,8 @@ double brdffit_fit_triangle_error(const struct reduced *r)
            (double)((REDUCE_BLOCK + width) * width);
 }
 
-/* What hidden lobes make of an objective at a point. */
-static double hidden_error(const struct fit *f, const double *theta, double objective)
+/* What the rounding of directions makes of an objective at a point: of sharp lobes, and of hidden ones. */
+static double geometry_error(const struct fit *f, const double *theta, double objective)
 {
     double error = brdffit_charge_point(&f->data, &f->model, theta);
 
@@ -283,19 +284,19 @@ struct published brdffit_fit_publish(struct fit *f, const double *sigma)
     for (p = 0; p < lobes; p++) {
         theta[p] = kernel_log(v.s[p].high);
     }
-    out.error += hidden_error(f, theta, out.objective);
+    out.error += geometry_error(f, theta, out.objective);
     return out;
 }
 
 double brdffit_fit_allowance(const struct fit *f, const struct point *at, double objective)
 {
-    double unit = TOL_PUBLISHED * TOL_UNIT, total = f->data.total, hidden;
+    double unit = TOL_PUBLISHED * TOL_UNIT, total = f->data.total, geometry;
 
-    hidden = hidden_error(f, at->theta, objective) * (1.0 + TOL_ALLOWANCE);
+    geometry = geometry_error(f, at->theta, objective) * (1.0 + TOL_ALLOWANCE);
     if (f->norm != BRDFFIT_NORM_L2) {
-        return 4.0 * unit * total + hidden;
+        return 4.0 * unit * total + geometry;
     }
     unit = 2.0 * (2.0 * unit + f->triangle_error);
-    return 2.0 * unit * sqrt(objective) * sqrt(total) + unit * unit * total + f->rows_error * total + hidden +
+    return 2.0 * unit * sqrt(objective) * sqrt(total) + unit * unit * total + f->rows_error * total + geometry +
            (16.0 + 8.0 * (double)f->data.channels) * TOL_UNIT * objective;
 }
