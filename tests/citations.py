@@ -4,7 +4,8 @@
 
 Every "theory N.M", "theory section N" or "theory, sections N and M" in src/, include/, tools/, tests/ and python/ is a numbered
 heading of docs/theory.md; every file that a comment of src/ names (.c, .h, .md, .py, .sh, .ipynb) is somewhere in the tree,
-whatever folder it is in. "_avx2.c" in a list of files is the end of a name, "kernels_*.c" a pattern. Only the standard library is needed.
+whatever folder it is in. "_avx2.c" in a list of files is the end of a name, "kernels_*.c" a pattern. Only the standard library
+is needed.
 SPDX-License-Identifier: MIT
 """
 import fnmatch
