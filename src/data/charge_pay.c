@@ -24,22 +24,25 @@ static double hidden_share(const struct charge *c, double hidden, double hidden_
                                      : (double)INFINITY;
 }
 
-/* The error of a lobe of any theta in [low, high]. */
-static struct doubt lobe_doubt(const struct charge *c, const struct kind_charge *k, double low, double high)
+/* The relative error of a lobe of any theta in [low, high], but for what is hidden. */
+static double lobe_error(const struct kind_charge *k, double low, double high)
 {
-    struct doubt d = {k->body, 0.0, c->hidden_data};
-    double first, last;
+    double error = k->body, first, last;
 
     if (k->step > 0.0) {
         first = larger(0.0, floor((low - k->low) * k->step - 1e-6));
         last = smaller(CHARGE_CELLS - 1.0, floor((high - k->low) * k->step + 1e-6));
         for (; first <= last; first += 1.0) {
-            d.error = larger(d.error, k->cell[(size_t)first]);
+            error = larger(error, k->cell[(size_t)first]);
         }
     }
-    if (high >= k->high) {
-        d.error = larger(d.error, k->tail);
-    }
+    return high >= k->high ? larger(error, k->tail) : error;
+}
+
+static struct doubt lobe_doubt(const struct charge *c, const struct kind_charge *k, double low, double high)
+{
+    struct doubt d = {lobe_error(k, low, high), 0.0, c->hidden_data};
+
     if (c->hidden > 0.0) {
         d.hidden = hidden_share(c, c->hidden, c->hidden_c, low, high, d.error);
     }
@@ -73,7 +76,7 @@ double brdffit_charge_point(const struct reduced *r, const struct model *model, 
         int kind = model->lobe[p].kind;
         const struct charge *c = &r->table[model->geometry[kind]].charge;
         const struct kind_charge *k = &r->kind_charge[kind];
-        double own = lobe_doubt(c, k, theta[p], theta[p]).error;
+        double own = lobe_error(k, theta[p], theta[p]);
 
         error += k->step > 0.0 ? own : 0.0;
         if (c->any_hidden > 0.0) {

@@ -29,8 +29,7 @@ enum table_row_kind {
     TABLE_ROW_SHADOWED, /* min(1, shared min(l, v)) / v, shared = 2 (n.h) / (v.h) */
     TABLE_ROW_ROOT,     /* sqrt(l / v) */
     TABLE_ROW_LIGHT,    /* l */
-    TABLE_ROW_SIDE,     /* shared l / max(l, v), shared = 1 / (v.h) */
-    TABLE_ROW_KINDS
+    TABLE_ROW_SIDE      /* shared l / max(l, v), shared = 1 / (v.h) */
 };
 
 struct lobe_kind {

@@ -37,9 +37,9 @@ void brdffit_axis_start(struct axis *axis, double low, double high, uint32_t fir
 
 int brdffit_axis_narrow(const struct axis *axis, uint32_t interval)
 {
-    double low = axis->coordinate[axis->interval[interval].low];
-    double high = axis->coordinate[axis->interval[interval].high];
+    double low, high;
 
+    brdffit_axis_ends(axis, interval, &low, &high);
     return !(high - low > LIMIT_SPLIT * (1.0 + fabs(low) + fabs(high)));
 }
 

@@ -32,6 +32,13 @@ struct axis {
 
 void brdffit_axis_layout(struct axis *axis, struct arena *arena, uint32_t node_capacity);
 
+/* The ends of an interval. */
+static inline void brdffit_axis_ends(const struct axis *axis, uint32_t interval, double *low, double *high)
+{
+    *low = axis->coordinate[axis->interval[interval].low];
+    *high = axis->coordinate[axis->interval[interval].high];
+}
+
 /* Partition [low, high] evenly into `first` intervals (1 when low == high: a single degenerate one). */
 void brdffit_axis_start(struct axis *axis, double low, double high, uint32_t first);
 

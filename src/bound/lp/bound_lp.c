@@ -159,11 +159,7 @@ double brdffit_bound_lp(struct bound_lp *e, struct box *box, struct point *met)
     int p;
 
     for (p = 0; p < v->model->lobes; p++) {
-        const struct axis *axis = &e->axis[v->model->lobe[p].kind];
-        const struct axis_interval *i = &axis->interval[box->interval[p]];
-
-        low[p] = axis->coordinate[i->low];
-        high[p] = axis->coordinate[i->high];
+        brdffit_axis_ends(&e->axis[v->model->lobe[p].kind], box->interval[p], &low[p], &high[p]);
         met->theta[p] = 0.5 * (low[p] + high[p]);
         brdffit_bound_lp_lobe(e, p, low[p], met->theta[p], high[p]);
     }

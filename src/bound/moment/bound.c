@@ -400,11 +400,7 @@ static struct doubt box_doubt(const struct bound_moment *e, const struct box *bo
     int p;
 
     for (p = 0; p < e->model->sides; p++) {
-        const struct axis *axis = &e->axis[e->model->lobe[p].kind];
-        const struct axis_interval *i = &axis->interval[box->interval[p]];
-
-        low[p] = axis->coordinate[i->low];
-        high[p] = axis->coordinate[i->high];
+        brdffit_axis_ends(&e->axis[e->model->lobe[p].kind], box->interval[p], &low[p], &high[p]);
     }
     return brdffit_charge_box(e->moments.data, e->model, low, high);
 }

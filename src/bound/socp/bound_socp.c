@@ -187,11 +187,7 @@ static void open_view(struct bound_socp *e, const struct box *box, struct view *
 
     view->paid = view->at_most = view->rounding = 0.0;
     for (p = 0; p < v->model->lobes; p++) {
-        const struct axis *axis = &e->axis[v->model->lobe[p].kind];
-        const struct axis_interval *i = &axis->interval[box->interval[p]];
-
-        low[p] = axis->coordinate[i->low];
-        high[p] = axis->coordinate[i->high];
+        brdffit_axis_ends(&e->axis[v->model->lobe[p].kind], box->interval[p], &low[p], &high[p]);
         view->centre.theta[p] = 0.5 * (low[p] + high[p]);
         view->lobe[p] = deviation(e, p, low[p], view->centre.theta[p], high[p]);
     }
