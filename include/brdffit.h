@@ -642,6 +642,8 @@ typedef struct brdffit_texel_results {
     size_t *where; /* count; BAD_VALUE: sample * K + channel; else BRDFFIT_NONE */
     size_t *boxes; /* count; bounded by the search */
     double *sigma_floor; /* count; of what lower_bound is proven for, as in brdffit_result or lower */
+    double *f0; /* count x K x P; zeros without Fresnel */
+    double *x_more; /* count x K x (columns - 1), of the diffuse term's further columns; of no width where it has one */
 } brdffit_texel_results;
 
 /* Zero: every array NULL. NULL is fine: nothing happens. */

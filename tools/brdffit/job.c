@@ -11,6 +11,7 @@
 
 #include "failure.h"
 #include "interrupt.h"
+#include "terms.h"
 
 double brdffit_cli_clock(void)
 {
@@ -212,7 +213,8 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
 
 void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const char *path)
 {
-    read_table(job, fitter, path, fitter->settings->verify == NULL ? &fitter->options : NULL);
+    const int sums = fitter->settings->verify == NULL && !brdffit_cli_special(&fitter->options);
+    read_table(job, fitter, path, sums ? &fitter->options : NULL);
     if (job->status == BRDFFIT_OK) {
         fit(job, fitter);
     }

@@ -8,6 +8,7 @@
 #include "failure.h"
 #include "lobes.h"
 #include "shard.h"
+#include "terms.h"
 #include "words.h"
 
 static void place(struct cli_json *json, const char *key, size_t value, size_t add)
@@ -125,8 +126,9 @@ static void exponents(struct cli_json *json, const brdffit_result *result)
     brdffit_cli_json_close(json, ']');
 }
 
-static void parameters(struct cli_json *json, const brdffit_result *result)
+static void parameters(struct cli_json *json, const struct cli_job *job)
 {
+    const brdffit_result *const result = job->result;
     const brdffit_model *const model = result->model;
     const size_t lobes = (size_t)model->lobes;
     brdffit_cli_json_numbers(json, "sigma", model->sigma, lobes);
@@ -137,6 +139,7 @@ static void parameters(struct cli_json *json, const brdffit_result *result)
         brdffit_cli_json_numbers(json, NULL, model->y + k * lobes, lobes);
     }
     brdffit_cli_json_close(json, ']');
+    brdffit_cli_json_terms(json, job);
     brdffit_cli_json_numbers(json, "channel_scale", result->channel_scale, model->channels);
     brdffit_cli_json_number(json, "e2", result->e2);
     brdffit_cli_json_number(json, "objective", result->e2);
@@ -232,6 +235,7 @@ void brdffit_cli_json_lobes(struct cli_json *json, const brdffit_options *o)
         brdffit_cli_json_string(json, NULL, brdffit_distribution_string(brdffit_cli_lobe(o, p)));
     }
     brdffit_cli_json_close(json, ']');
+    brdffit_cli_json_term_names(json, o);
 }
 
 void brdffit_cli_json_options(struct cli_json *json, const brdffit_options *o)
@@ -297,7 +301,7 @@ static void verification(struct cli_json *json, const struct cli_job *job)
 static void result_members(struct cli_json *json, const struct cli_job *job, const struct cli_fitter *fitter)
 {
     const brdffit_result *const result = job->result;
-    parameters(json, result);
+    parameters(json, job);
     brdffit_cli_json_count(json, "samples_used", result->samples_used);
     brdffit_cli_json_skipped(json, result->samples_skipped, job->table);
     brdffit_cli_json_count(json, "boxes", result->boxes);

@@ -9,6 +9,7 @@
 
 #include "lobes.h"
 #include "sample.h"
+#include "terms.h"
 #include "words.h"
 
 #define NUMBER_WIDTH 12
@@ -326,6 +327,7 @@ void brdffit_cli_report_fit(struct cli_text *text, struct cli_style style, const
                              fitter->options.max_incidence, "used");
     lobe_table(text, style, result, &fitter->options);
     channel_table(text, style, job, &fitter->options);
+    brdffit_cli_terms_report(text, style, job);
     brdffit_cli_text_puts(text, "\n");
     brdffit_cli_certificate(text, style, result, &fitter->options);
     verification(text, style, job);
