@@ -497,6 +497,21 @@ BRDFFIT_API void brdffit_result_free(const brdffit_result *result);
 BRDFFIT_API brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *at, double *out,
                                         brdffit_error *error);
 
+/*
+ * How well samples tell the F0 of a model with SCHLICK, `model` being that of a fit of these samples with these options
+ * (NULL: defaults; max_incidence and absolute_gap are obeyed, the norm must be L2): low and high are K x P row-major, ends
+ * of the interval around model->f0 in [0, 1] within which F0 of that lobe and channel alone can be moved, with all
+ * coefficients chosen anew and sigma kept, before the channel's E^2 grows by more than 4 E^2 / (N - n), which is two
+ * standard errors when residuals are independent noise (N samples used, n columns), or by absolute_gap of its sum of
+ * squares where that is more. F0 with wide intervals (beyond 0.5, say) is not told by the directions: v.h hardly varies,
+ * and the lobe's two columns are nearly parallel. An estimate, no proof: a sigma that moved along would widen it. Of a
+ * lobe with y = 0 the interval is [0, 1]. Fails as brdffit_inspect() for samples; BRDFFIT_ERR_UNSUPPORTED without
+ * Fresnel, or for another norm. Takes some microseconds a sample.
+ */
+BRDFFIT_API brdffit_status brdffit_f0_interval(const brdffit_samples *samples, const brdffit_options *options,
+                                               const brdffit_model *model, double *low, double *high,
+                                               brdffit_error *error);
+
 /* ---- Fits in memory of the caller ------------------------------------- */
 
 /*

@@ -211,6 +211,23 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
     job->one_lobe_e2 = job->one_lobe_fitted ? result->e2 : 0;
 }
 
+/* Where there is an F0. A failure only leaves the statement out. */
+static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
+{
+    const brdffit_model *const model = job->result->model;
+    const size_t count = model->channels * (size_t)model->lobes;
+    if (model->fresnel == BRDFFIT_FRESNEL_NONE || fitter->options.norm != BRDFFIT_NORM_L2) {
+        return;
+    }
+    job->f0_low = calloc(count, 2 * sizeof *job->f0_low);
+    job->f0_high = job->f0_low != NULL ? job->f0_low + count : NULL;
+    if (job->f0_low != NULL && brdffit_f0_interval(job->table->samples, &fitter->options, model, job->f0_low,
+                                                   job->f0_high, NULL) != BRDFFIT_OK) {
+        free(job->f0_low);
+        job->f0_low = job->f0_high = NULL;
+    }
+}
+
 void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const char *path)
 {
     const int sums = fitter->settings->verify == NULL && !brdffit_cli_special(&fitter->options);
@@ -224,6 +241,9 @@ void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const c
             fit(job, fitter);
         }
     }
+    if (job->status == BRDFFIT_OK) {
+        tell_f0(job, fitter);
+    }
     if (job->status == BRDFFIT_OK && fitter->settings->verify != NULL) {
         verify(job, fitter);
     }
@@ -234,6 +254,8 @@ void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const c
 
 void brdffit_cli_job_free(struct cli_job *job)
 {
+    free(job->f0_low);
+    job->f0_low = job->f0_high = NULL;
     brdffit_io_free(job->table);
     job->table = NULL;
 }

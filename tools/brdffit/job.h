@@ -41,6 +41,7 @@ struct cli_job {
     double verify_seconds;
     int one_lobe_fitted;   /* --stats, two lobes: one_lobe_e2 is filled in */
     double one_lobe_e2;    /* of the best fit with one lobe */
+    double *f0_low, *f0_high; /* K x P each, owned: how well the samples tell F0; NULL: not known */
 };
 
 /* Load the directions that the settings name. 0, or the exit code of a

@@ -332,6 +332,7 @@ void brdffit_cli_report_fit(struct cli_text *text, struct cli_style style, const
     brdffit_cli_certificate(text, style, result, &fitter->options);
     verification(text, style, job);
     brdffit_cli_warnings(text, style, result, &fitter->options);
+    brdffit_cli_terms_warnings(text, style, job);
     effort(text, style, job, &fitter->options);
     if (fitter->settings->stats) {
         savings(text, style, job, &fitter->options);

@@ -137,12 +137,33 @@ static void indices(struct cli_json *json, const brdffit_model *model)
     brdffit_cli_json_close(json, ']');
 }
 
+/* Null where nothing is known. */
+static void f0_intervals(struct cli_json *json, const struct cli_job *job)
+{
+    const size_t channels = job->result->model->channels, lobes = (size_t)job->result->model->lobes;
+    if (job->f0_low == NULL) {
+        brdffit_cli_json_null(json, "f0_interval");
+        return;
+    }
+    brdffit_cli_json_open(json, "f0_interval", '[');
+    for (size_t k = 0; k < channels; k++) {
+        brdffit_cli_json_open(json, NULL, '[');
+        for (size_t p = 0; p < lobes; p++) {
+            const double ends[2] = {job->f0_low[k * lobes + p], job->f0_high[k * lobes + p]};
+            brdffit_cli_json_numbers(json, NULL, ends, 2);
+        }
+        brdffit_cli_json_close(json, ']');
+    }
+    brdffit_cli_json_close(json, ']');
+}
+
 void brdffit_cli_json_terms(struct cli_json *json, const struct cli_job *job)
 {
     const brdffit_model *const model = job->result->model;
     if (model->fresnel != BRDFFIT_FRESNEL_NONE) {
         rows(json, "f0", model->f0, model->channels, (size_t)model->lobes);
         indices(json, model);
+        f0_intervals(json, job);
     }
     if (brdffit_cli_more_columns(model->diffuse) > 0) {
         rows(json, "x_more", model->x_more, model->channels, brdffit_cli_more_columns(model->diffuse));

@@ -117,3 +117,39 @@ void brdffit_cli_terms_report(struct cli_text *text, struct cli_style style, con
         diffuse_table(text, style, job);
     }
 }
+
+/* F0 of an interval wider than this is as good as not told. */
+#define WIDE 0.5
+
+/* The widest interval of a lobe over the channels that use it; 0 when all are told. */
+static int widest(const struct cli_job *job, size_t p, double ends[2])
+{
+    const brdffit_model *const model = job->result->model;
+    const size_t lobes = (size_t)model->lobes;
+    ends[0] = ends[1] = 0;
+    for (size_t k = 0; k < model->channels; k++) {
+        const double low = job->f0_low[k * lobes + p], high = job->f0_high[k * lobes + p];
+        if (model->y[k * lobes + p] > 0 && high - low > ends[1] - ends[0]) {
+            ends[0] = low;
+            ends[1] = high;
+        }
+    }
+    return ends[1] - ends[0] > WIDE;
+}
+
+void brdffit_cli_terms_warnings(struct cli_text *text, struct cli_style style, const struct cli_job *job)
+{
+    for (int p = 0; job->f0_low != NULL && p < job->result->model->lobes; p++) {
+        struct cli_text words = {0};
+        double ends[2];
+        if (widest(job, (size_t)p, ends)) {
+            brdffit_cli_text_printf(&words,
+                                    "lobe %d: F0 is not identified by these directions: anything in [%.2g,\t%.2g] fits"
+                                    " within two standard errors, and the index n means nothing.",
+                                    p + 1, ends[0], ends[1]);
+            brdffit_cli_paragraph(text, style, CLI_YELLOW, "Warning,", brdffit_cli_text_string(&words));
+        }
+        text->failed |= words.failed;
+        brdffit_cli_text_free(&words);
+    }
+}
