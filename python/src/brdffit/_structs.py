@@ -123,6 +123,9 @@ class Options(ctypes.Structure):
         ("box", BoxFunction),
         ("box_user", c_void_p),
         ("distributions", c_void_p),
+        ("fresnel", c_int),
+        ("diffuse", c_int),
+        ("masking", c_int),
     ]
 
 
@@ -138,6 +141,11 @@ class Model(ctypes.Structure):
         ("x", c_void_p),
         ("y", c_void_p),
         ("distributions", c_void_p),
+        ("fresnel", c_int),
+        ("diffuse", c_int),
+        ("f0", c_void_p),
+        ("x_more", c_void_p),
+        ("masking", c_int),
     ]
 
 
@@ -239,6 +247,8 @@ class TexelResults(ctypes.Structure):
         ("where", c_void_p),
         ("boxes", c_void_p),
         ("sigma_floor", c_void_p),
+        ("f0", c_void_p),
+        ("x_more", c_void_p),
     ]
 
 
