@@ -7,7 +7,7 @@ from __future__ import annotations
 import ctypes
 import math
 from ctypes import byref
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +16,6 @@ from ._arguments import choose
 from ._arrays import Floats, address, floats
 from ._ffi import library
 from .errors import DataError
-
-if TYPE_CHECKING:
-    from .fit import Fit
 
 # Options and members of a fit, in the order of the C library's structures, and their defaults.
 DEFAULTS = {"fresnel": "none", "diffuse": "lambert", "masking": "v-cavity"}
@@ -88,7 +85,7 @@ def _copy(start: int, channels: int, width: int) -> Floats:
     return np.frombuffer(ctypes.string_at(start, 8 * channels * width), np.float64).reshape(channels, width)
 
 
-def shapes(fit: Fit) -> dict[str, tuple[int, int]]:
+def shapes(fit: Any) -> dict[str, tuple[int, int]]:
     """Of the arrays that the fit has to have."""
     out = {}
     if fit.fresnel != "none":
@@ -98,7 +95,7 @@ def shapes(fit: Fit) -> dict[str, tuple[int, int]]:
     return out
 
 
-def check_fit(fit: Fit) -> None:
+def check_fit(fit: Any) -> None:
     """Names, and arrays of the right shape: C reads as much as they say."""
     for kind in DEFAULTS:
         check(kind, getattr(fit, kind))
@@ -110,7 +107,7 @@ def check_fit(fit: Fit) -> None:
         raise DataError("f0 of this fit must be in [0, 1]", code="format")
 
 
-def fill(model: structs.Model, fit: Fit) -> list[Floats]:
+def fill(model: structs.Model, fit: Any) -> list[Floats]:
     """Tell C of them; what it points to is to be kept."""
     for kind in DEFAULTS:
         setattr(model, kind, check(kind, getattr(fit, kind)))
@@ -134,7 +131,7 @@ def f0_interval(model: Any, samples: structs.Samples, options: structs.Options) 
 # ---- Tables ------------------------------------------------------------------
 
 
-def tables(fit: Fit) -> list[list[list[str]]]:
+def tables(fit: Any) -> list[list[list[str]]]:
     """Of F0, and of the diffuse term's coefficients; those that the model has."""
     out = []
     if fit.f0 is not None:
@@ -148,7 +145,7 @@ def _number(value: float, form: str = "%.4g") -> str:
     return form % value if math.isfinite(value) else "–"
 
 
-def _f0_table(fit: Fit, f0: Floats) -> list[list[str]]:
+def _f0_table(fit: Any, f0: Floats) -> list[list[str]]:
     rows = [["channel", *(head for p in range(fit.lobes) for head in ("lobe %d F0" % (p + 1), "index n"))]]
     for k, name in enumerate(fit.channels):
         cells = []
@@ -160,7 +157,7 @@ def _f0_table(fit: Fit, f0: Floats) -> list[list[str]]:
     return rows
 
 
-def _diffuse_table(fit: Fit, more: Floats) -> list[list[str]]:
+def _diffuse_table(fit: Any, more: Floats) -> list[list[str]]:
     oren_nayar = fit.diffuse == "oren-nayar"
     heads = ["x A", "x B", "roughness"] if oren_nayar else ["x", "x r", "x r^2", "r by x r", "r by x r^2"]
     rows = [["channel", *heads]]
@@ -172,7 +169,7 @@ def _diffuse_table(fit: Fit, more: Floats) -> list[list[str]]:
     return rows
 
 
-def warnings(fit: Fit) -> list[str]:
+def warnings(fit: Any) -> list[str]:
     """A sentence for each lobe whose F0 the directions do not tell."""
     if fit.f0_interval is None:
         return []
