@@ -5,12 +5,12 @@ SPDX-License-Identifier: MIT
 import json
 import pickle
 
-import harness
 import numpy as np
 import pytest
-import terms_model
 
 import brdffit
+import harness
+import terms_model
 from brdffit.report import _analysis, page
 
 TRUE = {"distributions": ["ggx"], "fresnel": "schlick", "diffuse": "burley", "sigma": [0.2], "x": [0.2, 0.1, 0.3],
@@ -65,7 +65,8 @@ def test_the_command_line_says_the_same(tmp_path, measured):
 def test_lines_from_before_and_lines_that_are_wrong(fitted, measured):
     plain = brdffit.fit(measured).to_dict()
     old = {name: value for name, value in plain.items() if name not in ("fresnel", "diffuse", "masking")}
-    np.testing.assert_array_equal(brdffit.Fit.from_dict(old).predict_samples(measured), brdffit.fit(measured).predict_samples(measured))
+    np.testing.assert_array_equal(brdffit.Fit.from_dict(old).predict_samples(measured),
+                                  brdffit.Fit.from_dict(plain).predict_samples(measured))
     for change in ({"fresnel": "snell"}, {"masking": "smitten"}, {"f0": None}, {"f0": [[0.1], [0.1], [1.5]]}, {"x_more": [[1, 1]]}):
         with pytest.raises(brdffit.BrdffitError):
             brdffit.Fit.from_dict(fitted.to_dict() | change)
@@ -93,13 +94,21 @@ def test_f0_that_directions_do_not_tell():
     assert np.all(np.diff(fit.f0_interval, axis=-1) >= 0)
 
 
+@pytest.mark.parametrize("values, weight", [(1e150, 1), (1e-150, 1), (1, 1e120), (1, 1e-120), (1e100, 1e100)])
+def test_units_do_not_matter_to_how_f0_is_told(measured, fitted, values, weight):
+    other = brdffit.Samples.from_arrays(measured.light, measured.view, measured.values * values, quantity="radiance",
+                                        weights=np.full(len(measured), float(weight)))
+    np.testing.assert_allclose(brdffit.fit(other, **ASKED).f0_interval, fitted.f0_interval, rtol=1e-5, atol=1e-9)
+
+
 @pytest.mark.parametrize("own", [False, True], ids=["shared", "own directions"])
 def test_maps_are_the_fits_of_their_texels(tmp_path, measured, own):
     stack = measured.values[:, None, None] * np.linspace(0.5, 2, 4).reshape(2, 2, 1)
     normal = np.broadcast_to([0.0, 0.0, 1.0], (2, 2, 3)) if own else None
     maps = brdffit.fit_map(stack, measured.light, measured.view, normal=normal, quantity="radiance", **ASKED)
     for at in np.ndindex(2, 2):
-        one = brdffit.fit(brdffit.Samples.from_arrays(measured.light, measured.view, stack[:, at[0], at[1]], quantity="radiance"), **ASKED)
+        one = brdffit.fit(brdffit.Samples.from_arrays(measured.light, measured.view, stack[:, at[0], at[1]],
+                                                      quantity="radiance"), **ASKED)
         for name in ("sigma", "x", "y", "f0", "x_more", "e2"):
             np.testing.assert_array_equal(getattr(maps, name)[at], getattr(one, name), name)
         np.testing.assert_array_equal(maps.predict(measured.light, measured.view)[:, at[0], at[1]], one.predict_samples(measured))
@@ -124,7 +133,8 @@ def test_masked_texels_have_none(measured):
 def test_maps_in_zarr_know_them(tmp_path, measured):
     zarr = pytest.importorskip("zarr")
     pytest.importorskip("dask")
-    stack = zarr.create_array(tmp_path / "stack.zarr", data=np.repeat(measured.values[:, None, None], 4, 1), chunks=(len(measured), 2, 1, 3))
+    values = np.repeat(measured.values[:, None, None], 4, 1)
+    stack = zarr.create_array(tmp_path / "stack.zarr", data=values, chunks=(len(measured), 2, 1, 3))
     asked = {"quantity": "radiance", "output": tmp_path / "maps.zarr", "tile": (2, 1)}
     maps = brdffit.fit_map(stack, measured.light, measured.view, **asked, **ASKED).load()
     one = brdffit.fit(measured, **ASKED)

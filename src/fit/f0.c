@@ -297,8 +297,8 @@ static void intervals(const struct columns *c, const struct products *of, size_t
     }
 }
 
-static brdffit_status check(const brdffit_samples *s, const brdffit_options *o, const brdffit_model *m, const double *low,
-                            const double *high, brdffit_error *error)
+static brdffit_status check(const brdffit_samples *s, const brdffit_options *o, const brdffit_model *m,
+                            const double *low, const double *high, brdffit_error *error)
 {
     if (!low || !high) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "low or high is NULL");

@@ -177,6 +177,14 @@ void brdffit_cli_output_abandon(struct cli_output *output)
     memset(output, 0, sizeof *output);
 }
 
+void brdffit_cli_show(const struct cli_text *text)
+{
+    errno = 0;
+    if (fputs(brdffit_cli_text_string(text), stdout) < 0 || fflush(stdout) != 0) {
+        (void)complain("standard output", "cannot write", errno);
+    }
+}
+
 int brdffit_cli_close_stdout(void)
 {
     int failed = ferror(stdout) != 0;

@@ -36,4 +36,7 @@ void brdffit_cli_output_abandon(struct cli_output *output);
 /* Flush and close standard output; 0 when all of it arrived. */
 int brdffit_cli_close_stdout(void);
 
+/* Text on standard output at once, and the reason on standard error when it cannot be written. */
+void brdffit_cli_show(const struct cli_text *text);
+
 #endif

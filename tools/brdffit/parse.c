@@ -87,7 +87,7 @@ static const struct cli_option *find_short(const struct parser *p, char letter)
 
 static const struct cli_choice *choices_of(const struct cli_option *o)
 {
-    return o->kind == CLI_DISTRIBUTION                           ? brdffit_cli_distribution_choices()
+    return o->kind == CLI_DISTRIBUTION                        ? brdffit_cli_distribution_choices()
            : o->kind >= CLI_FRESNEL && o->kind <= CLI_MASKING ? brdffit_cli_term_choices(o->kind)
                                                               : o->choices;
 }

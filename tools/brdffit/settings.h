@@ -134,7 +134,8 @@ extern const struct cli_choice brdffit_cli_format_choices[];
 
 /* Those of the library, under the library's names. Not for threads. */
 const struct cli_choice *brdffit_cli_distribution_choices(void);
-const struct cli_choice *brdffit_cli_term_choices(enum cli_option_kind kind); /* CLI_FRESNEL, CLI_DIFFUSE, CLI_MASKING */
+const struct cli_choice *
+brdffit_cli_term_choices(enum cli_option_kind kind); /* CLI_FRESNEL, CLI_DIFFUSE, CLI_MASKING */
 
 /* The options of `command`, as its help shows them. */
 void brdffit_cli_option_help(struct cli_text *text, unsigned command);

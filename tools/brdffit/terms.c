@@ -66,10 +66,9 @@ static const char *diffuse_words(brdffit_diffuse diffuse)
 
 void brdffit_cli_add_terms(struct cli_text *text, const brdffit_options *options)
 {
-    const char *const words[3] = {
-        options->fresnel != BRDFFIT_FRESNEL_NONE ? "Schlick Fresnel" : NULL,
-        options->masking != BRDFFIT_MASKING_V_CAVITY ? masking_words(options->masking) : NULL,
-        options->diffuse != BRDFFIT_DIFFUSE_LAMBERT ? diffuse_words(options->diffuse) : NULL};
+    const char *const words[3] = {options->fresnel != BRDFFIT_FRESNEL_NONE ? "Schlick Fresnel" : NULL,
+                                  options->masking != BRDFFIT_MASKING_V_CAVITY ? masking_words(options->masking) : NULL,
+                                  options->diffuse != BRDFFIT_DIFFUSE_LAMBERT ? diffuse_words(options->diffuse) : NULL};
     const char *separator = " (";
     for (size_t i = 0; i < 3; i++) {
         if (words[i] != NULL) {

@@ -26,8 +26,9 @@ SKIPPED = (("incidence", "lit from beyond %.6g°"), ("light_below_horizon", "wit
            ("cell_below_horizon", "cells beyond the hemisphere"))
 
 # Order of the members of `brdffit fit --json`.
-_MEMBERS = ("schema", "file", "status", "distribution", "distributions", "fresnel", "diffuse", "masking", "norm", "engine", "lobes", "sigma", "exponent", "x", "y",
-            "f0", "ior", "f0_interval", "x_more", "channel_scale", "e2", "objective", "e2_error", "lower_bound", "gap", "rms", "rms_total", "sum_of_squares",
+_MEMBERS = ("schema", "file", "status", "distribution", "distributions", "fresnel", "diffuse", "masking", "norm", "engine",
+            "lobes", "sigma", "exponent", "x", "y", "f0", "ior", "f0_interval", "x_more", "channel_scale", "e2", "objective",
+            "e2_error", "lower_bound", "gap", "rms", "rms_total", "sum_of_squares",
             "kkt_residual", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
             "weight", "effective_samples", "sigma_interval", "exponent_interval", "warnings", "channels", "normalise",
             "sigma_range", "exponent_range", "relative_gap", "absolute_gap", "sigma_resolution", "box_budget",
@@ -98,7 +99,8 @@ def family(distributions: Sequence[str], sigma_range: Sequence[float], exponent_
     ranges = {"σ": sigma_range, "n": exponent_range}
     found = ["%s in [%.6g, %.6g]" % (letter, *ranges[letter]) for letter in sorted(  # type: ignore[misc]  # a range is there
         {_lobes.letter(name) for name in distributions}, reverse=True)]
-    return "%s%s %s %s" % (_lobes.family(distributions), terms, "and" if len(set(distributions)) == 1 else "with", " and ".join(found))
+    return "%s%s %s %s" % (_lobes.family(distributions), terms, "and" if len(set(distributions)) == 1 else "with",
+                           " and ".join(found))
 
 
 def is_cut(fit: Fit) -> bool:
@@ -131,8 +133,8 @@ def _family(fit: Fit) -> str:
         return "diffuse fit" + _terms.words(fit)
     found = ["%s in [%s, %s]" % (letter, *_proven(fit, by)) for letter, by in (("σ", "sigma"), ("n", "exponent"))  # type: ignore[misc]
              if by in fit.parameters]
-    return "%s%s %s %s" % (_lobes.family(fit.distributions), _terms.words(fit), "and" if len(set(fit.distributions)) == 1 else "with",
-                         " and ".join(found))
+    return "%s%s %s %s" % (_lobes.family(fit.distributions), _terms.words(fit),
+                           "and" if len(set(fit.distributions)) == 1 else "with", " and ".join(found))
 
 
 def _cut(fit: Fit) -> str:

@@ -81,7 +81,8 @@ def open_maps(path: Any) -> MapArrays:
     asked: dict[str, Any] = {
         name: tuple(value) if isinstance(value, list) else value for name, value in about["options"].items()}
     options = Options(**asked)
-    named = {field.name: group[field.stored] for field in store.fields(about["channels"], options.distributions, **terms_of(options))}
+    named = {field.name: group[field.stored] for field in store.fields(
+        about["channels"], options.distributions, **terms_of(options))}
     return MapArrays(named, None, {"options": options, "quantity": about["quantity"],
                                    "samples": about["samples"], "own": about["own"]}, group)
 
