@@ -89,8 +89,8 @@ static void print(const struct campaign *c, const struct draw *d, size_t texel, 
     char text[2048];
 
     judge_describe(verdict, view, text, sizeof text);
-    fprintf(to, "# campaign %llu 1 --from %lu --family %s: texel %zu: %s\n", (unsigned long long)c->seed, n, family,
-            texel, text);
+    fprintf(to, "# campaign %llu 1 --from %lu --family %s --effort %zu --budget %zu: texel %zu: %s\n",
+            (unsigned long long)c->seed, n, family, c->effort, c->budget, texel, text);
     draw_print(d, texel, to);
     fflush(to);
 }
