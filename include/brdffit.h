@@ -193,7 +193,8 @@ typedef enum brdffit_weighting {
 /* Constant name: "none", "column", "cosine", "solid-angle", "relative". */
 BRDFFIT_API const char *brdffit_weighting_string(brdffit_weighting weighting);
 
-/* Bytes of workspace that brdffit_weights() needs; 0 when it needs none, or for sizes that it refuses. */
+/* Bytes of workspace that brdffit_weights() needs, and brdffit_weights_crowded() what RELATIVE does; 0 when it needs none,
+ * or for sizes that it refuses. */
 BRDFFIT_API size_t brdffit_weights_size(size_t count, size_t channels, brdffit_weighting weighting);
 
 /*
@@ -208,15 +209,18 @@ BRDFFIT_API size_t brdffit_weights_size(size_t count, size_t channels, brdffit_w
 BRDFFIT_API brdffit_status brdffit_weights(const brdffit_samples *samples, brdffit_weighting weighting, double floor,
                                            void *workspace, size_t workspace_size, double *out, brdffit_error *error);
 
-/*
- * Kish's effective sample size as a share of count: (sum w)^2 / (count sum w^2), in (0, 1]; 0 when no weight is above
- * 0. Of solid angles it tells how evenly samples lie: about 0.7 where they are drawn uniformly, and below
- * BRDFFIT_CROWDED where most of them crowd into a small part of the directions, as those of an instrument that follows
- * the lobe: a fit without weights is then a fit to that part.
- */
+/* Kish's effective sample size as a share of count: (sum w)^2 / (count sum w^2), in (0, 1]; 0 when no weight is above
+ * 0. Of solid angles it tells how evenly samples lie: about 0.7 where they are drawn uniformly. */
 BRDFFIT_API double brdffit_weights_effective(const double *weights, size_t count);
 
-#define BRDFFIT_CROWDED 0.2
+/*
+ * 1 when samples crowd where the material is bright, as those of an instrument that follows the lobe do, so that a fit without
+ * weights is a fit to that part of the directions; else 0, also for what cannot be told. With their weights of
+ * SOLID_ANGLE w: the effective sample size is less than 0.25 of count, and the mean of what RELATIVE calls m more than
+ * 3 times its mean with weights w. Grids of angles, which do not follow the lobe, are rarely beyond 2.
+ */
+BRDFFIT_API int brdffit_weights_crowded(const brdffit_samples *samples, const double *solid_angles, void *workspace,
+                                        size_t workspace_size);
 
 /* ---- Options ---------------------------------------------------------- */
 

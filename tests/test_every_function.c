@@ -211,6 +211,7 @@ static void call_weights(const brdffit_samples *samples)
     STATUS(brdffit_weights, samples, BRDFFIT_WEIGHTING_SOLID_ANGLE, 0, memory, size, out, NULL);
     keep(out, sizeof out);
     VALUE(double, brdffit_weights_effective, out, SAMPLES);
+    VALUE(int, brdffit_weights_crowded, samples, out, memory, size);
     STATUS(brdffit_weights, samples, BRDFFIT_WEIGHTING_RELATIVE, 0.1, memory, size, out, NULL);
     keep(out, sizeof out);
     free(memory);

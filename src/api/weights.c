@@ -27,6 +27,20 @@ brdffit_status brdffit_weights(const brdffit_samples *samples, brdffit_weighting
     return status;
 }
 
+int brdffit_weights_crowded(const brdffit_samples *samples, const double *solid_angles, void *workspace,
+                            size_t workspace_size)
+{
+    struct environment callers;
+    brdffit_samples known;
+    int crowded;
+
+    brdffit_environment_enter(&callers);
+    crowded = brdffit_intake_samples(samples, &known, NULL) == BRDFFIT_OK &&
+              brdffit_weights_crowd(&known, solid_angles, workspace, workspace_size);
+    brdffit_environment_leave(&callers);
+    return crowded;
+}
+
 double brdffit_weights_effective(const double *weights, size_t count)
 {
     struct environment callers;

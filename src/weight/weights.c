@@ -44,13 +44,19 @@ size_t brdffit_weights_bytes(size_t count, size_t channels, brdffit_weighting we
 
 /* ---- What a sample is ---------------------------------------------------- */
 
-/* 1: it is in the domain and *geometry is filled in; else its weight is, or *status is a failure. */
-static int in_domain(const struct weighing *w, size_t i, struct geometry *geometry, brdffit_status *status)
+/* 1: it is above the horizon, with a weight that is not 0, and *geometry is filled in; *status may be a failure. */
+static int is_used(const struct weighing *w, size_t i, struct geometry *geometry, brdffit_status *status)
 {
     brdffit_skip skip = brdffit_geometry_sample(w->samples, BRDFFIT_BECKMANN, 0.0, i, geometry, status, w->error);
 
-    w->out[i] = skip == BRDFFIT_SKIP_ZERO_WEIGHT ? 0.0 : 1.0;
     return *status == BRDFFIT_OK && skip == BRDFFIT_SKIP_COUNT;
+}
+
+/* The same, and else its weight is there already. */
+static int in_domain(const struct weighing *w, size_t i, struct geometry *geometry, brdffit_status *status)
+{
+    w->out[i] = w->samples->weights && w->samples->weights[i] == 0.0 ? 0.0 : 1.0;
+    return is_used(w, i, geometry, status);
 }
 
 static double radiance(const struct weighing *w, size_t i, size_t k, const struct geometry *geometry)
@@ -144,7 +150,7 @@ static brdffit_status find_scales(struct weighing *w)
         w->scale[k] = 0.0;
     }
     for (i = 0; i < w->samples->count && status == BRDFFIT_OK; i++) {
-        for (k = 0; in_domain(w, i, &geometry, &status) && k < channels; k++) {
+        for (k = 0; is_used(w, i, &geometry, &status) && k < channels; k++) {
             double value = radiance(w, i, k, &geometry);
 
             if (!isfinite(value)) {
@@ -196,6 +202,46 @@ static brdffit_status weigh_by_value(struct weighing *w, double floor, void *wor
         }
     }
     return status;
+}
+
+/* ---- Whether weights are needed ------------------------------------------ */
+
+#define CROWDED_EFFECTIVE 0.25
+#define CROWDED_BRIGHT 3.0
+
+/* Mean magnitude of the samples over that with weights; 0: none is bright. */
+static double brightness(struct weighing *w, const double *solid_angles)
+{
+    double sum = 0.0, weighted = 0.0, count = 0.0, weights = 0.0;
+    struct geometry geometry;
+    brdffit_status status = BRDFFIT_OK;
+    size_t i;
+
+    for (i = 0; i < w->samples->count && status == BRDFFIT_OK; i++) {
+        if (is_used(w, i, &geometry, &status)) {
+            double m = magnitude(w, i, &geometry);
+
+            sum += m;
+            count += 1.0;
+            weighted += solid_angles[i] * m;
+            weights += solid_angles[i];
+        }
+    }
+    return weighted > 0.0 && status == BRDFFIT_OK ? sum / count / (weighted / weights) : 0.0;
+}
+
+int brdffit_weights_crowd(const brdffit_samples *samples, const double *solid_angles, void *workspace, size_t size)
+{
+    struct weighing w = {.samples = samples};
+    struct arena arena;
+
+    if (!solid_angles || !workspace || brdffit_geometry_check(samples, 1, NULL) != BRDFFIT_OK ||
+        !(brdffit_weights_share(solid_angles, samples->count) < CROWDED_EFFECTIVE)) {
+        return 0;
+    }
+    brdffit_arena_init(&arena, workspace, size);
+    w.scale = ARENA_DOUBLES(&arena, samples->channels);
+    return !arena.failed && find_scales(&w) == BRDFFIT_OK && brightness(&w, solid_angles) > CROWDED_BRIGHT;
 }
 
 /* ---- The call ------------------------------------------------------------ */
