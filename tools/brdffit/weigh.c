@@ -75,7 +75,7 @@ int brdffit_cli_crowded(const brdffit_table *table, double *share)
     const brdffit_samples *const samples = table->samples;
     double *weights;
     brdffit_error error;
-    if (table->sums != NULL || samples->weights != NULL || samples->form != BRDFFIT_FORM_DIRECTIONS ||
+    if (table->sums != NULL || samples->form != BRDFFIT_FORM_DIRECTIONS ||
         samples->count < FEW_SAMPLES || make(samples, BRDFFIT_WEIGHTING_SOLID_ANGLE, &weights, &error) != BRDFFIT_OK) {
         return 0;
     }

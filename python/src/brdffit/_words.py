@@ -31,7 +31,8 @@ _MEMBERS = ("schema", "file", "status", "distribution", "distributions", "norm",
             "kkt_residual", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
             "weight", "effective_samples", "sigma_interval", "exponent_interval", "warnings", "channels", "normalise",
             "sigma_range", "exponent_range", "relative_gap", "absolute_gap", "sigma_resolution", "box_budget",
-            "max_incidence", "proven_sigma", "proven_exponent", "format", "quantity", "merl_bins", "merl_samples", "seconds")
+            "max_incidence", "proven_sigma", "proven_exponent", "format", "quantity", "merl_bins", "merl_samples",
+            "weighting", "seconds")
 _ONLY_BY_EXPONENT = ("exponent", "exponent_interval", "exponent_range")  # proven_exponent: where there is an exponent
 
 

@@ -22,6 +22,7 @@ import numpy.typing as npt
 
 from .._arguments import Path, choose
 from .._arrays import Floats, freeze, vectors
+from .._weights import solid_angles
 from ..errors import DataError, OptionError, UnsupportedError
 from ._tensor import TensorFile
 from ._warp import Mix, Warp, bilinear, cell, mix
@@ -171,8 +172,12 @@ class Measurement:
         seen = ~np.isnan(values).any(1)
         if not seen.any():
             raise DataError("none of these directions was measured", code="no_samples", path=self.file)
-        return {"values": values[seen], "channels": names, "light": light[seen], "view": view[seen], "file": self.file,
-                "format": "rgl", "dropped": {"masked": int((~seen).sum())}}
+        members = {"channels": names, "file": self.file, "format": "rgl", "dropped": {"masked": int((~seen).sum())}}
+        light, view, values = light[seen], view[seen], values[seen]
+        if isinstance(samples, str) and samples == "measured":
+            light, view, values = _merged(light, view, values)
+            members.update(weights=solid_angles(light, view), weighting="solid-angle")
+        return {"values": values, "light": light, "view": view, **members}
 
     def _measurements(self, channels: Channels) -> tuple[Floats, Floats, Floats]:
         """Light, view and f_r of each grid point, NaN where it is blind; azimuth 0."""
@@ -192,6 +197,21 @@ class Measurement:
             values *= (self._factor(u, v, theta, zero) / view[:, 2])[:, None]
         values[(self._blind.ravel() > 0) | ~(view[:, 2] > 0) | ~(light[:, 2] > 0)] = np.nan
         return light, view, values
+
+
+_SAME = 1e-9  # directions in which the measurement repeats itself differ by rounding
+
+
+def _merged(light: Floats, view: Floats, values: Floats) -> tuple[Floats, Floats, Floats]:
+    """One sample of each pair of directions, the mean of those that repeat it: the mirror direction, where half vectors of
+    every azimuth are the normal, and the seam of the azimuths."""
+    keys = np.round(np.hstack([light, view]) / _SAME).astype(np.int64)
+    _, first, group = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(group.ravel(), kind="stable")
+    begin = np.searchsorted(group.ravel()[order], np.arange(len(first)))
+    means = np.add.reduceat(values[order], begin) / np.diff(np.append(begin, len(values)))[:, None]
+    kept = np.argsort(first)
+    return light[first[kept]], view[first[kept]], means[kept]
 
 
 def read(path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "measured", clip: bool = True) -> dict[str, Any]:
