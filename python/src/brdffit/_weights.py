@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _structs as structs
-from ._arguments import Path, choose
+from ._arguments import choose
 from ._arrays import Floats, address
 from ._ffi import library
 from .errors import from_struct
@@ -15,7 +15,7 @@ from .errors import from_struct
 FLOOR = 0.01  # BRDFFIT_WEIGHT_FLOOR
 
 
-def weigh(samples: structs.Samples, weight: str, floor: float = FLOOR, path: Path | None = None) -> Floats:
+def weigh(samples: structs.Samples, weight: str, floor: float = FLOOR, path: str | None = None) -> Floats:
     """Weights of samples as C has them: N."""
     core = library().core
     kind = choose("weight", weight, structs.WEIGHTING)

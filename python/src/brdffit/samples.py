@@ -41,7 +41,7 @@ class Samples(Frozen):
     weighting: what they are: "none", "column" (given, or a file's own), or made by `weighted`
     file: where it came from, or None
     lines: per sample, its line of the text file, or None
-    dropped: entries of the file that did not become samples, by reason
+    dropped: entries of the file that did not become samples of their own, by reason
 
     Arrays cannot be written to.
     """

@@ -172,10 +172,11 @@ class Measurement:
         seen = ~np.isnan(values).any(1)
         if not seen.any():
             raise DataError("none of these directions was measured", code="no_samples", path=self.file)
-        members = {"channels": names, "file": self.file, "format": "rgl", "dropped": {"masked": int((~seen).sum())}}
+        members: dict[str, Any] = {"channels": names, "file": self.file, "format": "rgl", "dropped": {"masked": int((~seen).sum())}}
         light, view, values = light[seen], view[seen], values[seen]
         if isinstance(samples, str) and samples == "measured":
             light, view, values = _merged(light, view, values)
+            members["dropped"]["repeated"] = int(seen.sum()) - len(values)
             members.update(weights=solid_angles(light, view), weighting="solid-angle")
         return {"values": values, "light": light, "view": view, **members}
 
@@ -199,19 +200,21 @@ class Measurement:
         return light, view, values
 
 
-_SAME = 1e-9  # directions in which the measurement repeats itself differ by rounding
+_SAME = 1e-5  # single precision moves directions that repeat by up to 1e-6; others are further apart
 
 
 def _merged(light: Floats, view: Floats, values: Floats) -> tuple[Floats, Floats, Floats]:
     """One sample of each pair of directions, the mean of those that repeat it: the mirror direction, where half vectors of
     every azimuth are the normal, and the seam of the azimuths."""
-    keys = np.round(np.hstack([light, view]) / _SAME).astype(np.int64)
-    _, first, group = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(group.ravel(), kind="stable")
-    begin = np.searchsorted(group.ravel()[order], np.arange(len(first)))
-    means = np.add.reduceat(values[order], begin) / np.diff(np.append(begin, len(values)))[:, None]
-    kept = np.argsort(first)
-    return light[first[kept]], view[first[kept]], means[kept]
+    first = np.arange(len(values))  # of each sample, the one that it repeats
+    for offset in (0.0, 0.31, 0.64):  # what one grid tells apart at the border of its cells another does not
+        keys = np.round(np.hstack([light, view])[first] / _SAME + offset).astype(np.int64)
+        _, place, group = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+        first = first[place[group.ravel()]]
+    kept, group = np.unique(first, return_inverse=True)
+    count = np.bincount(group)[:, None]
+    means = np.stack([np.bincount(group, column) for column in values.T], 1) / count
+    return light[kept], view[kept], means
 
 
 def read(path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "measured", clip: bool = True) -> dict[str, Any]:

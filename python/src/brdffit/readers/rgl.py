@@ -50,7 +50,8 @@ class RGLMaterial(Measurement):
                 channels: Channels = None) -> Samples:
         """Samples to fit. at: "measured" (the instrument's own directions, nothing interpolated, each once; they crowd where
         the material reflects most, so their weights are the solid angles that they stand for: `Samples.weighted` changes
-        that), "84" (the paper's directions), or (light, view). What was not measured is left out and counted in `dropped`."""
+        that), "84" (the paper's directions), or (light, view). What was not measured is left out and counted in `dropped`,
+        as are repetitions."""
         return Samples(**self._members(at, clip=clip, channels=channels))
 
     def to_merl(self, path: Path | None = None, *, bins: str = "edge", channels: Channels = None,

@@ -180,6 +180,6 @@ def material_page(material: Material, index: str | None) -> str:
         order.reverse()
     head = "<h1>%s %s</h1><p class='soft'>%s</p>" % (
         html.escape(material.name), _badge(material), html.escape(_source(material)))
-    body = [top, head, _crowded(material), *(_fit(material, lobes) for lobes in order), _views(material), _proof(material), _spheres(material),
-            _residuals(material)]
+    body = [top, head, _crowded(material), *(_fit(material, lobes) for lobes in order), _views(material), _proof(material),
+            _spheres(material), _residuals(material)]
     return document("%s - brdffit" % material.name, "".join(body))
