@@ -461,11 +461,16 @@ static void test_refused(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_quadrature_uniform), cmocka_unit_test(test_quadrature_crowded),
-        cmocka_unit_test(test_scans),              cmocka_unit_test(test_few),
-        cmocka_unit_test(test_duplicates),         cmocka_unit_test(test_normal_incidence),
-        cmocka_unit_test(test_left_out),           cmocka_unit_test(test_angles_agree),
-        cmocka_unit_test(test_simple),             cmocka_unit_test(test_relative),
+        cmocka_unit_test(test_quadrature_uniform),
+        cmocka_unit_test(test_quadrature_crowded),
+        cmocka_unit_test(test_scans),
+        cmocka_unit_test(test_few),
+        cmocka_unit_test(test_duplicates),
+        cmocka_unit_test(test_normal_incidence),
+        cmocka_unit_test(test_left_out),
+        cmocka_unit_test(test_angles_agree),
+        cmocka_unit_test(test_simple),
+        cmocka_unit_test(test_relative),
         cmocka_unit_test(test_refused),
     };
 

@@ -68,7 +68,8 @@ static int read_table(const struct cli_settings *settings, const struct cli_fit 
 static int weigh(brdffit_table *table, const struct cli_fit *fit, const char *path, double **weights)
 {
     brdffit_error error = {0};
-    if (table->samples->channels == 0 || (fit->weighting == BRDFFIT_WEIGHTING_COLUMN && table->samples->weights == NULL)) {
+    if (table->samples->channels == 0 ||
+        (fit->weighting == BRDFFIT_WEIGHTING_COLUMN && table->samples->weights == NULL)) {
         return 0;
     }
     const brdffit_status status = brdffit_cli_weigh(table, fit->weighting, weights, &error);

@@ -6,12 +6,10 @@
 
 #include "words.h"
 
-const struct cli_choice brdffit_cli_weight_choices[] = {{"none", BRDFFIT_WEIGHTING_NONE, 0},
-                                                        {"column", BRDFFIT_WEIGHTING_COLUMN, 0},
-                                                        {"cosine", BRDFFIT_WEIGHTING_COSINE, 0},
-                                                        {"solid-angle", BRDFFIT_WEIGHTING_SOLID_ANGLE, 0},
-                                                        {"relative", BRDFFIT_WEIGHTING_RELATIVE, 0},
-                                                        {NULL, 0, 0}};
+const struct cli_choice brdffit_cli_weight_choices[] = {
+    {"none", BRDFFIT_WEIGHTING_NONE, 0},         {"column", BRDFFIT_WEIGHTING_COLUMN, 0},
+    {"cosine", BRDFFIT_WEIGHTING_COSINE, 0},     {"solid-angle", BRDFFIT_WEIGHTING_SOLID_ANGLE, 0},
+    {"relative", BRDFFIT_WEIGHTING_RELATIVE, 0}, {NULL, 0, 0}};
 
 /* Of fewer samples it is chance how they lie. */
 #define FEW_SAMPLES 16
@@ -75,8 +73,8 @@ int brdffit_cli_crowded(const brdffit_table *table, double *share)
     const brdffit_samples *const samples = table->samples;
     double *weights;
     brdffit_error error;
-    if (table->sums != NULL || samples->form != BRDFFIT_FORM_DIRECTIONS ||
-        samples->count < FEW_SAMPLES || make(samples, BRDFFIT_WEIGHTING_SOLID_ANGLE, &weights, &error) != BRDFFIT_OK) {
+    if (table->sums != NULL || samples->form != BRDFFIT_FORM_DIRECTIONS || samples->count < FEW_SAMPLES ||
+        make(samples, BRDFFIT_WEIGHTING_SOLID_ANGLE, &weights, &error) != BRDFFIT_OK) {
         return 0;
     }
     const size_t size = brdffit_weights_size(samples->count, samples->channels, BRDFFIT_WEIGHTING_RELATIVE);
@@ -99,16 +97,17 @@ void brdffit_cli_report_weights(struct cli_text *text, struct cli_style style, c
     double share;
     if (weighting != BRDFFIT_WEIGHTING_NONE) {
         brdffit_cli_text_printf(&words, "%s; they count as ", of[weighting]);
-        brdffit_cli_grouped(&words,
-                            (size_t)(brdffit_weights_effective(samples->weights, samples->count) *
-                                     (double)samples->count + 0.5));
+        brdffit_cli_grouped(
+            &words,
+            (size_t)(brdffit_weights_effective(samples->weights, samples->count) * (double)samples->count + 0.5));
         brdffit_cli_text_puts(&words, "\tsamples of equal weight.");
         brdffit_cli_paragraph(text, style, CLI_BOLD, "Weights:", brdffit_cli_text_string(&words));
     } else if (brdffit_cli_crowded(table, &share)) {
-        brdffit_cli_text_printf(&words,
-                                "most samples crowd where the material is bright (by solid angle they count as "
-                                "%.2g\t%% of their number), and the fit is to that part. --weight solid-angle fits all.",
-                                100 * share);
+        brdffit_cli_text_printf(
+            &words,
+            "most samples crowd where the material is bright (by solid angle they count as "
+            "%.2g\t%% of their number), and the fit is to that part. --weight solid-angle fits all.",
+            100 * share);
         brdffit_cli_paragraph(text, style, CLI_YELLOW, "Warning,", brdffit_cli_text_string(&words));
     }
     text->failed |= words.failed;
