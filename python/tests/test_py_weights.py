@@ -96,6 +96,7 @@ def test_fit_says_its_weights():
     s = brdffit.Samples.example()
     fit = brdffit.fit(s, weight="solid-angle", relative_gap=0.01)
     same = brdffit.fit(s.weighted("solid-angle"), relative_gap=0.01)
+    assert "weighted by the solid angle" in " ".join(str(fit).split()) and "weighted" not in str(brdffit.fit(s, relative_gap=0.01))
     assert fit.weighting == "solid-angle" and fit.e2 == same.e2 and fit.e2 != brdffit.fit(s, relative_gap=0.01).e2
     assert json.loads(fit.to_json())["weighting"] == "solid-angle"
     assert brdffit.Fit.from_json(fit.to_json()).weighting == "solid-angle"

@@ -25,6 +25,11 @@ SKIPPED = (("incidence", "lit from beyond %.6g°"), ("light_below_horizon", "wit
            ("masked", "masked (not measured)"), ("absent", "with an empty field"),
            ("cell_below_horizon", "cells beyond the hemisphere"))
 
+WEIGHTS = {"none": "Samples count alike.", "column": "Samples have weights of their own.",
+           "cosine": "Samples are weighted by the cosine of the light.",
+           "solid-angle": "Samples are weighted by the solid angle that each stands for.",
+           "relative": "Samples are weighted by one over their squared values."}
+
 # Order of the members of `brdffit fit --json`.
 _MEMBERS = ("schema", "file", "status", "distribution", "distributions", "norm", "engine", "lobes", "sigma", "exponent", "x", "y",
             "channel_scale", "e2", "objective", "e2_error", "lower_bound", "gap", "rms", "rms_total", "sum_of_squares",
@@ -265,6 +270,10 @@ def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
             for row in rows]
 
 
+def _paragraphs(fit: Fit) -> list[str]:
+    return [certificate(fit), *([WEIGHTS[fit.weighting]] if fit.weighting != "none" else []), *warnings(fit)]
+
+
 def text(fit: Fit) -> str:
     import textwrap
 
@@ -272,7 +281,7 @@ def text(fit: Fit) -> str:
     if skipped(fit):
         lines.append("  Skipped: " + skipped(fit))
     lines += ["", *_columns(lobe_table(fit)), "", *_columns(channel_table(fit)), ""]
-    for paragraph in (certificate(fit), *warnings(fit)):
+    for paragraph in _paragraphs(fit):
         lines += textwrap.wrap(paragraph, 79, initial_indent="  ", subsequent_indent="  ")
     return "\n".join(lines)
 
@@ -290,5 +299,5 @@ def html(fit: Fit) -> str:
     if skipped(fit):
         parts.append("<p>Skipped: %s</p>" % _html.escape(skipped(fit)))
     parts += [html_table(lobe_table(fit)), html_table(channel_table(fit))]
-    parts += ["<p>%s</p>" % _html.escape(paragraph) for paragraph in (certificate(fit), *warnings(fit))]
+    parts += ["<p>%s</p>" % _html.escape(paragraph) for paragraph in _paragraphs(fit)]
     return "<div class='brdffit'>%s</div>" % "".join(parts)

@@ -155,13 +155,7 @@ def _source(material: Material) -> str:
         which = {"84": "the paper's 84 directions of the table", "table": "every cell of the table"}
         out += ", %s, bins by their %s" % (which.get(s.merl_samples, "looked-up directions"), s.merl_bins)
     return "%s. Values are %s; the norm is %s, relative gap %.3g. %s" % (
-        out, "BRDF values in 1/sr" if s.quantity == "brdf" else "radiance", fit.norm, fit.relative_gap, _WEIGHTS[s.weighting])
-
-
-_WEIGHTS = {"none": "Samples count alike.", "column": "Samples have weights of their own.",
-            "cosine": "Samples are weighted by the cosine of the light.",
-            "solid-angle": "Samples are weighted by the solid angle that each stands for.",
-            "relative": "Samples are weighted by one over their squared values."}
+        out, "BRDF values in 1/sr" if s.quantity == "brdf" else "radiance", fit.norm, fit.relative_gap, _words.WEIGHTS[s.weighting])
 
 
 def _crowded(material: Material) -> str:
