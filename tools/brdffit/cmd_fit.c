@@ -43,7 +43,7 @@ void brdffit_cli_fit_help(void)
                                  "memory ran out, or a proof contradicts its fit; 2 wrong usage; 3 a file's\n"
                                  "data cannot be used; 4 a search stopped before its gap closed. With several\n"
                                  "files the first of 1, 2, 3, 4 that occurred.\n");
-    fputs(brdffit_cli_text_string(&text), stdout);
+    brdffit_cli_say(brdffit_cli_text_string(&text));
     brdffit_cli_text_free(&text);
 }
 

@@ -11,6 +11,7 @@
 
 #include "failure.h"
 #include "interrupt.h"
+#include "weigh.h"
 
 double brdffit_cli_clock(void)
 {
@@ -210,9 +211,24 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
     job->one_lobe_e2 = job->one_lobe_fitted ? result->e2 : 0;
 }
 
+/* Sums have weight 1 throughout. */
+static int fits_sums(const struct cli_settings *settings)
+{
+    return settings->verify == NULL && (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
+}
+
+static void weigh(struct cli_job *job, const struct cli_settings *settings)
+{
+    job->weighting = brdffit_cli_weighting(job->table, settings->weight);
+    job->status = brdffit_cli_weigh(job->table, settings->weight, &job->weights, &job->error);
+}
+
 void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const char *path)
 {
-    read_table(job, fitter, path, fitter->settings->verify == NULL ? &fitter->options : NULL);
+    read_table(job, fitter, path, fits_sums(fitter->settings) ? &fitter->options : NULL);
+    if (job->status == BRDFFIT_OK) {
+        weigh(job, fitter->settings);
+    }
     if (job->status == BRDFFIT_OK) {
         fit(job, fitter);
     }
@@ -233,7 +249,9 @@ void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const c
 void brdffit_cli_job_free(struct cli_job *job)
 {
     brdffit_io_free(job->table);
+    free(job->weights);
     job->table = NULL;
+    job->weights = NULL;
 }
 
 int brdffit_cli_job_exit(const struct cli_job *job)

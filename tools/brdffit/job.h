@@ -28,6 +28,8 @@ struct cli_job {
     const char *path;
     size_t position;      /* of --shard: the file's place on the command line, from 1 */
     brdffit_table *table; /* NULL when reading failed */
+    brdffit_weighting weighting; /* of its samples */
+    double *weights;             /* the samples' own, where --weight made them */
     brdffit_status status;
     brdffit_error error;
     int system_error;   /* errno when reading failed; 0: unknown */

@@ -314,6 +314,7 @@ static void result_members(struct cli_json *json, const struct cli_job *job, con
         proven_ranges(json, result, &fitter->options, 1);
     }
     brdffit_cli_json_source(json, job, fitter->settings);
+    brdffit_cli_json_string(json, "weighting", brdffit_weighting_string(job->weighting));
     if (job->table->format == BRDFFIT_IO_FORMAT_MERL && fitter->io.directions != NULL) {
         directions(json, fitter->io.directions);
     }

@@ -229,6 +229,7 @@ static void set_defaults(struct cli_settings *settings)
     settings->max_incidence = fit.max_incidence;
     settings->box_budget = fit.box_budget;
     settings->values = CLI_UNSET;
+    settings->weight = CLI_UNSET;
     settings->format = BRDFFIT_IO_FORMAT_AUTO;
     settings->merl_bins = BRDFFIT_IO_MERL_EDGE;
     settings->merl_samples = "table";

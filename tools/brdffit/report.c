@@ -9,6 +9,7 @@
 
 #include "lobes.h"
 #include "sample.h"
+#include "weigh.h"
 #include "words.h"
 
 #define NUMBER_WIDTH 12
@@ -329,6 +330,7 @@ void brdffit_cli_report_fit(struct cli_text *text, struct cli_style style, const
     brdffit_cli_text_puts(text, "\n");
     brdffit_cli_certificate(text, style, result, &fitter->options);
     verification(text, style, job);
+    brdffit_cli_report_weights(text, style, job->table, job->weighting);
     brdffit_cli_warnings(text, style, result, &fitter->options);
     effort(text, style, job, &fitter->options);
     if (fitter->settings->stats) {

@@ -7,6 +7,7 @@
 
 #include "lobes.h"
 #include "term.h"
+#include "weigh.h"
 
 const struct cli_choice brdffit_cli_norm_choices[] = {
     {"l2", BRDFFIT_NORM_L2, 0}, {"l1", BRDFFIT_NORM_L1, 0}, {"linf", BRDFFIT_NORM_LINF, 0}, {NULL, 0, 0}};
@@ -74,6 +75,9 @@ const struct cli_option brdffit_cli_options[] = {
     CHOICE("values", WORKERS, 0, values, brdffit_cli_quantity_choices, "brdf|radiance",
            "what the file's values are: f_r, or f_r times\n"
            "the light's cosine (default brdf; for files\nwith a,b,c radiance)"),
+    CHOICE(
+        "weight", CLI_FIT, 0, weight, brdffit_cli_weight_choices, "none|column|cosine|solid-angle|relative",
+        "what samples count for: alike, as the file says,\nby n.l, by the share of directions that each\nstands for, or by 1/value^2 (default column where\nthere is one, else none)"),
     CHOICE("merl-bins", CLI_FIT | CLI_INFO, 0, merl_bins, brdffit_cli_bins_choices, "edge|centre",
            "angle that a MERL entry stands for\n(default edge)"),
     PLAIN("merl-samples", 0, CLI_STRING, CLI_FIT | CLI_INFO, merl_samples, "table|84|FILE.csv",

@@ -41,6 +41,7 @@ struct cli_settings {
     double max_incidence;
     size_t box_budget;
     int values; /* CLI_UNSET, or a brdffit_quantity */
+    int weight; /* CLI_UNSET, or a brdffit_weighting */
     int format;
     int merl_bins;
     const char *merl_samples; /* "table", "84" or a file of directions */

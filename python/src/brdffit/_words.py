@@ -25,13 +25,19 @@ SKIPPED = (("incidence", "lit from beyond %.6g°"), ("light_below_horizon", "wit
            ("masked", "masked (not measured)"), ("absent", "with an empty field"),
            ("cell_below_horizon", "cells beyond the hemisphere"))
 
+WEIGHTS = {"none": "Samples count alike.", "column": "Samples have weights of their own.",
+           "cosine": "Samples are weighted by the cosine of the light.",
+           "solid-angle": "Samples are weighted by the solid angle that each stands for.",
+           "relative": "Samples are weighted by one over their squared values."}
+
 # Order of the members of `brdffit fit --json`.
 _MEMBERS = ("schema", "file", "status", "distribution", "distributions", "norm", "engine", "lobes", "sigma", "exponent", "x", "y",
             "channel_scale", "e2", "objective", "e2_error", "lower_bound", "gap", "rms", "rms_total", "sum_of_squares",
             "kkt_residual", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
             "weight", "effective_samples", "sigma_interval", "exponent_interval", "warnings", "channels", "normalise",
             "sigma_range", "exponent_range", "relative_gap", "absolute_gap", "sigma_resolution", "box_budget",
-            "max_incidence", "proven_sigma", "proven_exponent", "format", "quantity", "merl_bins", "merl_samples", "seconds")
+            "max_incidence", "proven_sigma", "proven_exponent", "format", "quantity", "merl_bins", "merl_samples",
+            "weighting", "seconds")
 _ONLY_BY_EXPONENT = ("exponent", "exponent_interval", "exponent_range")  # proven_exponent: where there is an exponent
 
 
@@ -264,6 +270,10 @@ def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
             for row in rows]
 
 
+def _paragraphs(fit: Fit) -> list[str]:
+    return [certificate(fit), *([WEIGHTS[fit.weighting]] if fit.weighting != "none" else []), *warnings(fit)]
+
+
 def text(fit: Fit) -> str:
     import textwrap
 
@@ -271,7 +281,7 @@ def text(fit: Fit) -> str:
     if skipped(fit):
         lines.append("  Skipped: " + skipped(fit))
     lines += ["", *_columns(lobe_table(fit)), "", *_columns(channel_table(fit)), ""]
-    for paragraph in (certificate(fit), *warnings(fit)):
+    for paragraph in _paragraphs(fit):
         lines += textwrap.wrap(paragraph, 79, initial_indent="  ", subsequent_indent="  ")
     return "\n".join(lines)
 
@@ -289,5 +299,5 @@ def html(fit: Fit) -> str:
     if skipped(fit):
         parts.append("<p>Skipped: %s</p>" % _html.escape(skipped(fit)))
     parts += [html_table(lobe_table(fit)), html_table(channel_table(fit))]
-    parts += ["<p>%s</p>" % _html.escape(paragraph) for paragraph in (certificate(fit), *warnings(fit))]
+    parts += ["<p>%s</p>" % _html.escape(paragraph) for paragraph in _paragraphs(fit)]
     return "<div class='brdffit'>%s</div>" % "".join(parts)

@@ -53,6 +53,7 @@ class Fit(Frozen):
     sigma_interval: P x 2, where E^2 is the optimum's to rounding; warnings: per lobe, of "unresolved", "flat",
         "unused", "at_limit"
     samples_used, samples_skipped: how many, and by reason
+    weighting: what samples counted for, see `Samples.weighted`
     seconds: read (when it was a file), reduce (where it was told apart), search; None in fits of fit_many, which are
         not timed one by one
     """
@@ -108,6 +109,7 @@ class Fit(Frozen):
     proven_exponent: Floats | None = None
     _merl_directions: Floats | None = None
     distributions: tuple[str, ...] = ()
+    weighting: str = "none"
 
     def __post_init__(self) -> None:
         if not self.distributions and self.distribution is not None:  # from before there were lists
@@ -221,6 +223,7 @@ class Fit(Frozen):
         names = {field.name for field in dataclasses.fields(cls)}
         members: dict[str, Any] = {name: given.get(name) for name in names}
         members["e2_error"] = given.get("e2_error", 0.0)
+        members["weighting"] = given.get("weighting") or "none"
         members["distributions"] = tuple(given["distributions"]) if given.get("distributions") else ()
         for name, missing_one in (("exponent", np.nan), ("exponent_interval", (np.nan, np.nan))):
             if members[name] is not None:
@@ -265,12 +268,13 @@ def fit(samples: SamplesLike, *, lobes: int | Sequence[str] = 1, distribution: s
         engine: str = "moment", normalise: str = "max", sigma_range: tuple[float, float] = (1e-12, 6.0),
         exponent_range: tuple[float, float] = (0.1, 1e7), relative_gap: float = 1e-3, absolute_gap: float = 1e-12,
         sigma_resolution: float = 0.0, box_budget: int = 1_000_000, max_incidence: float = 60.0,
-        socp_every_box: bool = False, isa: str = "auto", verify: float | None = None,
-        progress: ProgressArgument = None) -> Fit:
+        socp_every_box: bool = False, isa: str = "auto", weight: str | None = None,
+        verify: float | None = None, progress: ProgressArgument = None) -> Fit:
     """Fit a model to samples (or to a file of them) and prove how close to the best it is.
 
     Options are explained at `Options`.
 
+    weight: what samples count for, as of `Samples.weighted`; None: the weights that they have
     verify: prove the bound again with engine socp, less this margin (0.1: 10 %): `Fit.verify` says what came of it
     progress: called with a `Progress` every 256 boxes, a true return value stops the search (the fit is valid all
         the same); True shows a bar (tqdm's, when it is installed). An exception in it ends the call, as Ctrl-C does.
@@ -283,6 +287,8 @@ def fit(samples: SamplesLike, *, lobes: int | Sequence[str] = 1, distribution: s
     began = time.perf_counter()
     data = samples if isinstance(samples, Samples) else Samples.from_file(samples)
     read = {} if data is samples else {"read": time.perf_counter() - began}
+    if weight is not None:
+        data = data.weighted(weight)
     return run(data, options, verify, progress, read)
 
 
@@ -407,7 +413,7 @@ def convert(r: structs.Result, samples: Samples, options: Options, proof: Mappin
         sigma_resolution=options.sigma_resolution, box_budget=options.box_budget,
         max_incidence=options.max_incidence, format=samples.format, quantity=samples.quantity,
         merl_bins=samples.merl_bins, merl_samples=samples.merl_samples, seconds=seconds, file=samples.file,
-        schema=SCHEMA, _merl_directions=samples._merl_directions)
+        schema=SCHEMA, _merl_directions=samples._merl_directions, weighting=samples.weighting)
     return fit
 
 

@@ -59,6 +59,8 @@ def _parser() -> argparse.ArgumentParser:
                    "always show all of it")
     p.add_argument("--merl-bins", choices=structs.MERL_BINS, default="edge")
     p.add_argument("--values", choices=structs.QUANTITY, help="what a CSV holds")
+    p.add_argument("--weight", choices=structs.WEIGHTING,
+                   help="what samples count for (those that the file gives, of what a .bsdf file measured solid-angle)")
     p.add_argument("--box-budget", type=int, default=defaults.box_budget, metavar="N")
     p.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
     p.add_argument("--version", action="version", version="brdffit-report " + __version__)
@@ -85,6 +87,11 @@ def _degrees(text: str) -> float:
 
 
 def _read(path: str, arguments: argparse.Namespace) -> Samples:
+    samples = _read_unweighted(path, arguments)
+    return samples if arguments.weight is None else samples.weighted(arguments.weight)
+
+
+def _read_unweighted(path: str, arguments: argparse.Namespace) -> Samples:
     samples = Samples.from_file(path)
     if samples.format == "merl":
         return Samples.from_merl(path, samples=arguments.merl_samples, bins=arguments.merl_bins)

@@ -154,8 +154,17 @@ def _source(material: Material) -> str:
     if s.merl_samples is not None:
         which = {"84": "the paper's 84 directions of the table", "table": "every cell of the table"}
         out += ", %s, bins by their %s" % (which.get(s.merl_samples, "looked-up directions"), s.merl_bins)
-    return "%s. Values are %s; the norm is %s, relative gap %.3g." % (
-        out, "BRDF values in 1/sr" if s.quantity == "brdf" else "radiance", fit.norm, fit.relative_gap)
+    return "%s. Values are %s; the norm is %s, relative gap %.3g. %s" % (
+        out, "BRDF values in 1/sr" if s.quantity == "brdf" else "radiance", fit.norm, fit.relative_gap, _words.WEIGHTS[s.weighting])
+
+
+def _crowded(material: Material) -> str:
+    """A warning, or nothing."""
+    if material.samples.weighting != "none" or not material.samples.crowded():
+        return ""
+    return "<div class='certificate open'>%s</div>" % _paragraph(
+        "Warning: most samples crowd where the material is bright, and the fit is to that part of the directions. "
+        "--weight solid-angle fits all of them.")
 
 
 def material_page(material: Material, index: str | None) -> str:
@@ -165,6 +174,6 @@ def material_page(material: Material, index: str | None) -> str:
         order.reverse()
     head = "<h1>%s %s</h1><p class='soft'>%s</p>" % (
         html.escape(material.name), _badge(material), html.escape(_source(material)))
-    body = [top, head, *(_fit(material, lobes) for lobes in order), _views(material), _proof(material), _spheres(material),
-            _residuals(material)]
+    body = [top, head, _crowded(material), *(_fit(material, lobes) for lobes in order), _views(material), _proof(material),
+            _spheres(material), _residuals(material)]
     return document("%s - brdffit" % material.name, "".join(body))
