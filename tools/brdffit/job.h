@@ -41,6 +41,11 @@ struct cli_job {
     double verify_seconds;
     int one_lobe_fitted;   /* --stats, two lobes: one_lobe_e2 is filled in */
     double one_lobe_e2;    /* of the best fit with one lobe */
+    int trial_count; /* --lobes auto: how many are filled in of what follows; 0 without */
+    struct cli_lobe_trial {
+        double e2, lower_bound;
+        double bic, bic_bound; /* of the two */
+    } trials[BRDFFIT_MAX_LOBES]; /* with 1, 2 and 3 lobes */
 };
 
 /* Load the directions that the settings name. 0, or the exit code of a
@@ -51,6 +56,11 @@ void brdffit_cli_fitter_free(struct cli_fitter *fitter);
 /* Read and fit. Release the job before the next one runs. */
 void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const char *path);
 void brdffit_cli_job_free(struct cli_job *job);
+
+/* The parts of that: read, sums where they will do for the fitter's options; fit what was read; --verify and --stats. */
+void brdffit_cli_job_open(struct cli_job *job, struct cli_fitter *fitter, const char *path);
+void brdffit_cli_job_fit(struct cli_job *job, struct cli_fitter *fitter);
+void brdffit_cli_job_check(struct cli_job *job, struct cli_fitter *fitter);
 
 /* Read only: table or error. */
 void brdffit_cli_job_read(struct cli_job *job, struct cli_fitter *fitter, const char *path);

@@ -162,11 +162,13 @@ int brdffit_cli_settle_lobes(struct cli_settings *s, const char *command_name)
     char bad[32] = "";
     brdffit_options defaults;
     brdffit_options_init(&defaults);
-    if (given == NULL || (given[0] >= '1' && given[0] <= '0' + BRDFFIT_MAX_LOBES && given[1] == '\0')) {
-        s->lobes = given == NULL ? defaults.lobes : given[0] - '0';
-        for (int p = 0; p < s->lobes; p++) {
+    s->lobes_auto = command_name != NULL && strcmp(command_name, "fit") == 0 && given != NULL && strcmp(given, "auto") == 0;
+    if (given == NULL || s->lobes_auto ||
+        (given[0] >= '1' && given[0] <= '0' + BRDFFIT_MAX_LOBES && given[1] == '\0')) {
+        s->lobes = given == NULL || s->lobes_auto ? defaults.lobes : given[0] - '0';
+        for (int p = 0; p < BRDFFIT_MAX_LOBES; p++) {
             s->distributions[p] = s->distribution != CLI_UNSET ? (brdffit_distribution)s->distribution
-                                                               : defaults.distribution;
+                                                               : (brdffit_distribution)s->model_distribution;
         }
         return 0;
     }
