@@ -10,6 +10,7 @@
 #include "job.h"
 #include "json_fit.h"
 #include "lobes_auto.h"
+#include "models.h"
 #include "output.h"
 #include "report.h"
 
@@ -36,6 +37,8 @@ void brdffit_cli_fit_help(void)
                                  "result is to the best that any such model could reach.\n"
                                  "\n");
     brdffit_cli_option_help(&text, CLI_FIT);
+    brdffit_cli_text_puts(&text, "\nPresets of --model:\n");
+    brdffit_cli_add_presets(&text);
     brdffit_cli_text_puts(&text, "\n"
                                  "Options may follow files; -- ends them. British and American spellings of\n"
                                  "normalise and centre are both understood.\n"

@@ -6,6 +6,7 @@
 #include "criteria.h"
 #include "job.h"
 #include "models.h"
+#include "observations.h"
 #include "term.h"
 
 /* What the criterion says of a form, beside the best fit of all. */
@@ -31,7 +32,8 @@ struct cli_entry {
     double e2_ranked, bound_ranked; /* e2 and lower_bound, no less than the floor */
     double r2;                      /* 1 - e2 / sum_of_squares; NaN without signal */
     size_t parameters;
-    struct cli_criteria fit, bound; /* of the two */
+    double effective;               /* observations, to go by its residuals */
+    struct cli_criteria fit, bound; /* of the two; filled in by brdffit_cli_rank() */
     double seconds;
     enum cli_rank rank;
     double delta;        /* of the criterion, from that of the best */
@@ -47,6 +49,8 @@ struct cli_comparison {
     size_t ranked;             /* how many have one */
     size_t tied;               /* with the best, not counting it */
     size_t samples_used, channels, observations;
+    int count_all;             /* --observations all */
+    double effective;          /* observations of the criteria: of the fit with the least E^2, or all */
     size_t skipped[BRDFFIT_SKIP_COUNT];
 };
 
@@ -58,10 +62,13 @@ void brdffit_cli_comparison_free(struct cli_comparison *comparison);
 /* Read the file and fit every model. What is wrong with the file is left in the job; what is wrong with a model alone, in its
  * entry. `json` gets a line a model, or is NULL. The job is released by the caller. */
 void brdffit_cli_compare_models(struct cli_comparison *comparison, struct cli_fitter *fitter, struct cli_job *job,
-                         const char *path, struct cli_text *json);
+                                const char *path, struct cli_text *json);
 
 /* Once every entry is there: order, rank and differences. */
 void brdffit_cli_rank(struct cli_comparison *comparison);
+
+/* The one of fewest parameters, of the best and those tied with it; the better where they are as many. Some are ranked. */
+const struct cli_entry *brdffit_cli_simplest(const struct cli_comparison *comparison);
 
 /* The exit code that this file alone would give, when its job is fine. */
 int brdffit_cli_comparison_exit(const struct cli_comparison *comparison);

@@ -37,9 +37,8 @@ void brdffit_cli_compare_json(struct cli_text *text, const struct cli_entry *ent
     if (entry->status == BRDFFIT_OK) {
         brdffit_cli_json_count(&json, "parameters", entry->parameters);
         brdffit_cli_json_count(&json, "observations", comparison->observations);
+        brdffit_cli_json_number(&json, "effective_observations", entry->effective);
         brdffit_cli_json_number(&json, "r2", entry->r2);
-        add_criteria(&json, "criteria", &entry->fit);
-        add_criteria(&json, "criteria_bound", &entry->bound);
         brdffit_cli_json_number(&json, "seconds", entry->seconds);
     }
     brdffit_cli_json_close(&json, '}');
@@ -62,6 +61,8 @@ static void add_entry(struct cli_json *json, const struct cli_entry *entry)
         brdffit_cli_json_count(json, "parameters", entry->parameters);
         brdffit_cli_json_number(json, "e2", entry->e2);
         brdffit_cli_json_number(json, "lower_bound", entry->lower_bound);
+        add_criteria(json, "criteria", &entry->fit);
+        add_criteria(json, "criteria_bound", &entry->bound);
     }
     brdffit_cli_json_close(json, '}');
 }
@@ -102,10 +103,13 @@ void brdffit_cli_verdict_json(struct cli_text *text, const struct cli_comparison
         brdffit_cli_json_number(&json, "threshold", c->threshold);
         brdffit_cli_json_count(&json, "samples_used", c->samples_used);
         brdffit_cli_json_count(&json, "observations", c->observations);
+        brdffit_cli_json_number(&json, "effective_observations", c->effective);
         if (c->ranked > 0) {
             brdffit_cli_json_string(&json, "best", c->order[0]->model->name);
+            brdffit_cli_json_string(&json, "simplest", brdffit_cli_simplest(c)->model->name);
         } else {
             brdffit_cli_json_null(&json, "best");
+            brdffit_cli_json_null(&json, "simplest");
         }
         add_models(&json, c);
     }

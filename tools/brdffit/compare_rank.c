@@ -9,8 +9,10 @@
 int brdffit_cli_comparison_init(struct cli_comparison *comparison, const struct cli_model *models, size_t count,
                                 const struct cli_settings *settings)
 {
-    const struct cli_comparison none = {
-        .count = count, .criterion = (enum cli_criterion)settings->criterion, .threshold = settings->threshold};
+    const struct cli_comparison none = {.count = count,
+                                        .criterion = (enum cli_criterion)settings->criterion,
+                                        .threshold = settings->threshold,
+                                        .count_all = settings->count_all};
     *comparison = none;
     comparison->entries = calloc(count, sizeof *comparison->entries);
     comparison->order = calloc(count, sizeof *comparison->order);
@@ -31,9 +33,14 @@ void brdffit_cli_comparison_free(struct cli_comparison *comparison)
     free((void *)comparison->order);
 }
 
+static int is_fitted(const struct cli_entry *entry)
+{
+    return !entry->not_begun && entry->status == BRDFFIT_OK;
+}
+
 static int has_criterion(const struct cli_comparison *c, const struct cli_entry *entry)
 {
-    return !entry->not_begun && entry->status == BRDFFIT_OK && !isnan(entry->fit.value[c->criterion]);
+    return is_fitted(entry) && !isnan(entry->fit.value[c->criterion]);
 }
 
 /* By the criterion, and in the order of the list where it is the same: insertion, as lists are short. */
@@ -75,11 +82,37 @@ static double worst_of_best(const struct cli_comparison *c)
 {
     const struct cli_entry *const best = c->order[0];
     const double e2 = best->e2_ranked + best->e2_error;
-    return brdffit_cli_criteria(e2, c->observations, best->parameters).value[c->criterion];
+    return brdffit_cli_criteria(e2, c->effective, best->parameters).value[c->criterion];
+}
+
+/* By the residuals that are nearest to noise alone: those of the least E^2. */
+static void count_observations(struct cli_comparison *c)
+{
+    double least = INFINITY;
+    c->effective = (double)c->observations;
+    for (size_t i = 0; i < c->count && !c->count_all; i++) {
+        if (is_fitted(&c->entries[i]) && c->entries[i].e2_ranked < least) {
+            least = c->entries[i].e2_ranked;
+            c->effective = c->entries[i].effective;
+        }
+    }
+}
+
+static void weigh(struct cli_comparison *c)
+{
+    count_observations(c);
+    for (size_t i = 0; i < c->count; i++) {
+        struct cli_entry *const entry = &c->entries[i];
+        if (is_fitted(entry)) {
+            entry->fit = brdffit_cli_criteria(entry->e2_ranked, c->effective, entry->parameters);
+            entry->bound = brdffit_cli_criteria(entry->bound_ranked, c->effective, entry->parameters);
+        }
+    }
 }
 
 void brdffit_cli_rank(struct cli_comparison *c)
 {
+    weigh(c);
     sort(c);
     if (c->ranked == 0) {
         return;
@@ -94,6 +127,17 @@ void brdffit_cli_rank(struct cli_comparison *c)
             c->tied += entry->rank == CLI_RANK_TIED;
         }
     }
+}
+
+const struct cli_entry *brdffit_cli_simplest(const struct cli_comparison *c)
+{
+    const struct cli_entry *simplest = c->order[0];
+    for (size_t i = 1; i < c->ranked; i++) {
+        if (c->order[i]->rank == CLI_RANK_TIED && c->order[i]->parameters < simplest->parameters) {
+            simplest = c->order[i];
+        }
+    }
+    return simplest;
 }
 
 static int entry_exit(const struct cli_entry *entry)

@@ -134,6 +134,16 @@ static void line(struct cli_text *text, struct cli_style style, const struct cli
     brdffit_cli_text_free(&title);
 }
 
+/* "780 observations (3 channels)", and how many of them count. */
+static void add_observations(struct cli_text *words, const struct cli_comparison *c)
+{
+    brdffit_cli_grouped(words, c->observations);
+    brdffit_cli_text_printf(words, " observations (%zu\tchannel%s)", c->channels, c->channels == 1 ? "" : "s");
+    if (c->effective < (double)c->observations) {
+        brdffit_cli_text_printf(words, ", counted as %.0f: so many Gaussian residuals are as uneven", c->effective);
+    }
+}
+
 static void legend(struct cli_text *text, struct cli_style style, const struct cli_comparison *c,
                    const brdffit_options *options)
 {
@@ -143,12 +153,10 @@ static void legend(struct cli_text *text, struct cli_style style, const struct c
                             "* best by %s; = less than %g behind, which is no evidence to speak of; ? behind, but not "
                             "proven. p: parameters, on ",
                             criterion, c->threshold);
-    brdffit_cli_grouped(&words, c->observations);
+    add_observations(&words, c);
     brdffit_cli_text_printf(
         &words,
-        " observations (%zu\tchannel%s). RMS: of radiance, %s. d%s: from the best; proven: "
-        "the least of any fit of that form, whatever its parameters.",
-        c->channels, c->channels == 1 ? "" : "s",
+        ". RMS: of radiance, %s. d%s: from the best; proven: the least of any fit of that form, whatever its parameters.",
         options->normalise == BRDFFIT_NORMALISE_MAX ? "each channel by its largest" : "in the data's units", criterion);
     brdffit_cli_text_puts(text, "\n");
     brdffit_cli_paragraph(text, style, CLI_BOLD, NULL, brdffit_cli_text_string(&words));

@@ -17,13 +17,6 @@ static int is_of_model(brdffit_status status)
            status == BRDFFIT_ERR_MEMORY;
 }
 
-static void take_criteria(struct cli_comparison *c, struct cli_entry *entry)
-{
-    entry->parameters = brdffit_cli_model_parameters(entry->model, c->channels);
-    entry->fit = brdffit_cli_criteria(entry->e2_ranked, c->observations, entry->parameters);
-    entry->bound = brdffit_cli_criteria(entry->bound_ranked, c->observations, entry->parameters);
-}
-
 /* What every model finds the same: how much there is to fit. */
 static void take_data(struct cli_comparison *c, const brdffit_result *result)
 {
@@ -32,7 +25,7 @@ static void take_data(struct cli_comparison *c, const brdffit_result *result)
     }
     c->samples_used = result->samples_used;
     c->channels = brdffit_cli_distinct_channels(result);
-    c->observations = c->samples_used * c->channels;
+    c->observations = brdffit_cli_observations(result);
     memcpy(c->skipped, result->samples_skipped, sizeof c->skipped);
 }
 
@@ -56,7 +49,7 @@ static void take_result(struct cli_comparison *c, struct cli_entry *entry, const
         entry->shape[p] = by_exponent ? result->lobe[p]->exponent : result->lobe[p]->sigma;
         entry->warnings[p] = result->lobe[p]->warnings;
     }
-    take_criteria(c, entry);
+    entry->parameters = brdffit_cli_model_parameters(entry->model, c->channels);
 }
 
 /* Sums are of the model that the file was opened for: of another distribution, it is opened again. */
@@ -101,6 +94,7 @@ void brdffit_cli_compare_models(struct cli_comparison *c, struct cli_fitter *fit
         }
         if (job->status == BRDFFIT_OK) {
             take_result(c, entry, job->result, &fitter->options);
+            entry->effective = brdffit_cli_effective_observations(job, &fitter->options);
         }
         entry->seconds = brdffit_cli_clock() - start;
         if (json != NULL) {

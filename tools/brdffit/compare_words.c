@@ -53,6 +53,7 @@ static void best(struct cli_text *text, struct cli_style style, const struct cli
 
 static void tied(struct cli_text *text, struct cli_style style, const struct cli_comparison *c)
 {
+    const struct cli_entry *const simplest = brdffit_cli_simplest(c);
     struct cli_text words = {0};
     size_t listed = 0;
     if (c->tied == 0) {
@@ -66,6 +67,11 @@ static void tied(struct cli_text *text, struct cli_style style, const struct cli
         }
     }
     brdffit_cli_text_puts(&words, ". More directions or less noise may.");
+    if (simplest->parameters < c->order[0]->parameters) {
+        brdffit_cli_text_puts(&words, " With the fewest parameters: ");
+        brdffit_cli_add_model(&words, simplest->model);
+        brdffit_cli_text_puts(&words, ".");
+    }
     paragraph(text, style, CLI_YELLOW, "Undecided:", &words);
 }
 
@@ -99,53 +105,39 @@ static void proven(struct cli_text *text, struct cli_style style, const struct c
     paragraph(text, style, CLI_GREEN, "Proven:", &words);
 }
 
-static void add_surplus(struct cli_text *words, const struct cli_entry *entry, const struct cli_entry *first)
+/* " (4 more; proven: at most 2.1 % smaller)" */
+static void add_gain(struct cli_text *words, const struct cli_entry *entry, const struct cli_entry *first)
 {
-    const size_t surplus = entry->parameters - first->parameters;
-    brdffit_cli_text_printf(words, "%zu more parameter%s", surplus, surplus == 1 ? "" : "s");
-}
-
-/* "lowers E^2 by 2.1 % (at most 2.2 %, proven) with 4 more parameters" */
-static void add_gain(struct cli_text *words, struct cli_style style, const struct cli_entry *entry,
-                     const struct cli_entry *first)
-{
-    const double gain = 100 * (1 - entry->e2_ranked / first->e2_ranked);
     const double most = 100 * (1 - entry->bound_ranked / (first->e2_ranked + first->e2_error));
-    brdffit_cli_add_model(words, entry->model);
+    brdffit_cli_text_printf(words, " (%zu\tmore; ", entry->parameters - first->parameters);
     if (exact(first)) {
-        brdffit_cli_text_puts(words, " is as exact with ");
-        add_surplus(words, entry, first);
+        brdffit_cli_text_puts(words, "as exact)");
         return;
     }
-    if (gain > 0) {
-        brdffit_cli_text_printf(words, " lowers %s by %.2g\t%% (", brdffit_cli_objective(style, BRDFFIT_NORM_L2), gain);
-    } else {
-        brdffit_cli_text_printf(words, " does not lower %s (", brdffit_cli_objective(style, BRDFFIT_NORM_L2));
-    }
-    if (most > 0) {
-        brdffit_cli_text_puts(words, "proven: by no more than ");
-        brdffit_cli_directed(words, most, 2, 1);
-        brdffit_cli_text_puts(words, "\t%) with ");
-    } else {
-        brdffit_cli_text_puts(words, "proven) with ");
-    }
-    add_surplus(words, entry, first);
+    brdffit_cli_text_puts(words, "proven: at most ");
+    brdffit_cli_directed(words, most, 2, 1);
+    brdffit_cli_text_puts(words, "\t%\tsmaller)");
 }
 
-/* Forms that may be as good or better, and are behind for their number of parameters. */
+/* Forms that may be as good or better, and are proven behind for their number of parameters. */
 static void more(struct cli_text *text, struct cli_style style, const struct cli_comparison *c)
 {
     const struct cli_entry *const first = c->order[0];
     struct cli_text words = {0};
+    size_t listed = 0;
     for (size_t i = 1; i < c->ranked; i++) {
         const struct cli_entry *const entry = c->order[i];
-        if (entry->rank == CLI_RANK_TIED || cannot_reach(entry, first) || entry->parameters <= first->parameters) {
+        if (entry->rank != CLI_RANK_PROVEN || cannot_reach(entry, first) || entry->parameters <= first->parameters) {
             continue;
         }
-        brdffit_cli_text_puts(&words, words.size > 0 ? "; " : "");
-        add_gain(&words, style, entry, first);
+        if (listed == 0) {
+            brdffit_cli_text_printf(&words, "the %s of others is too little smaller for their number: ",
+                                    brdffit_cli_objective(style, BRDFFIT_NORM_L2));
+        }
+        add_name(&words, entry, &listed);
+        add_gain(&words, entry, first);
     }
-    brdffit_cli_text_puts(&words, words.size > 0 ? ": not worth them." : "");
+    brdffit_cli_text_puts(&words, listed > 0 ? "." : "");
     paragraph(text, style, CLI_BOLD, "More parameters:", &words);
 }
 

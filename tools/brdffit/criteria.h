@@ -25,13 +25,10 @@ struct cli_criteria {
  *
  * Source: Burnham and Anderson 2002, 2.2 to 2.4; Schwarz 1978. All NaN unless e2 > 0 and n > p; AICc also unless n > p + 1.
  */
-struct cli_criteria brdffit_cli_criteria(double e2, size_t n, size_t p);
+struct cli_criteria brdffit_cli_criteria(double e2, double n, size_t p);
 
 /* What is E^2 to the criteria: no less than this, where the certificate ends and ln would only see rounding. */
 double brdffit_cli_e2_floor(const brdffit_result *result, const brdffit_options *options);
-
-/* Channels that say something of their own: not those without signal, nor those that repeat an earlier one. */
-size_t brdffit_cli_distinct_channels(const brdffit_result *result);
 
 /* "BIC", "AIC", "AICc". */
 const char *brdffit_cli_criterion_title(enum cli_criterion criterion);

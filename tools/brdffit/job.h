@@ -43,8 +43,11 @@ struct cli_job {
     double one_lobe_e2;    /* of the best fit with one lobe */
     int trial_count; /* --lobes auto: how many are filled in of what follows; 0 without */
     struct cli_lobe_trial {
-        double e2, lower_bound;
-        double bic, bic_bound; /* of the two */
+        double e2, e2_most; /* as found; what it is at most, and no less than the floor of criteria.h */
+        double lower_bound; /* no less than that either */
+        double effective;   /* observations */
+        size_t channels;
+        double gain, gain_most; /* from the second on: by how much BIC falls, and can fall whatever the roughness */
     } trials[BRDFFIT_MAX_LOBES]; /* with 1, 2 and 3 lobes */
 };
 

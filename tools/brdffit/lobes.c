@@ -144,8 +144,9 @@ static void refuse(const char *command_name, const char *given, const char *bad)
     if (command_name == NULL) {
         return;
     }
-    fprintf(stderr, "brdffit %s: --lobes does not take '%s'; valid values: 1 to %d, or up to %d names with commas:",
-            command_name, given, BRDFFIT_MAX_LOBES, BRDFFIT_MAX_LOBES);
+    fprintf(stderr, "brdffit %s: --lobes does not take '%s'; valid values: 1 to %d, %sor up to %d names with commas:",
+            command_name, given, BRDFFIT_MAX_LOBES, strcmp(command_name, "fit") == 0 ? "auto, " : "",
+            BRDFFIT_MAX_LOBES);
     for (const struct cli_choice *c = brdffit_cli_distribution_choices(); c->name != NULL; c++) {
         fprintf(stderr, "%s %s", c == choices ? "" : ",", c->name);
         brdffit_cli_suggest(&near, bad, c->name);
@@ -162,7 +163,8 @@ int brdffit_cli_settle_lobes(struct cli_settings *s, const char *command_name)
     char bad[32] = "";
     brdffit_options defaults;
     brdffit_options_init(&defaults);
-    s->lobes_auto = command_name != NULL && strcmp(command_name, "fit") == 0 && given != NULL && strcmp(given, "auto") == 0;
+    s->lobes_auto = command_name != NULL && strcmp(command_name, "fit") == 0 && given != NULL &&
+                    strcmp(given, "auto") == 0;
     if (given == NULL || s->lobes_auto ||
         (given[0] >= '1' && given[0] <= '0' + BRDFFIT_MAX_LOBES && given[1] == '\0')) {
         s->lobes = given == NULL || s->lobes_auto ? defaults.lobes : given[0] - '0';

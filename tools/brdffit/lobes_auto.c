@@ -6,8 +6,21 @@
 
 #include "criteria.h"
 #include "interrupt.h"
-#include "lobes.h"
+#include "observations.h"
 #include "words.h"
+
+static double bic(double e2, double observations, size_t channels, int lobes)
+{
+    const size_t parameters = channels * (1 + (size_t)lobes) + (size_t)lobes + 1;
+    return brdffit_cli_criteria(e2, observations, parameters).value[CLI_BIC];
+}
+
+/* By how much the last of so many lobes lowers BIC, when they leave that E^2; observations as the richer fit sees them. */
+static double gain(const struct cli_lobe_trial *trial, int lobes, double e2)
+{
+    return bic(trial[-1].e2_most, trial->effective, trial->channels, lobes - 1) -
+           bic(e2, trial->effective, trial->channels, lobes);
+}
 
 /* Fit with so many; 1 when the trial is there. */
 static int try_lobes(struct cli_job *job, struct cli_fitter *fitter, int lobes)
@@ -18,22 +31,24 @@ static int try_lobes(struct cli_job *job, struct cli_fitter *fitter, int lobes)
         return 0;
     }
     const brdffit_result *const r = job->result;
-    const size_t channels = brdffit_cli_distinct_channels(r), n = channels * r->samples_used;
-    const size_t parameters = channels * (1 + (size_t)lobes) + (size_t)lobes + 1;
     const double floor = brdffit_cli_e2_floor(r, &fitter->options);
     struct cli_lobe_trial *const trial = &job->trials[lobes - 1];
     trial->e2 = r->e2;
-    trial->lower_bound = r->lower_bound;
-    trial->bic = brdffit_cli_criteria(fmax(r->e2 + r->e2_error, floor), n, parameters).value[CLI_BIC];
-    trial->bic_bound = brdffit_cli_criteria(fmax(r->lower_bound, floor), n, parameters).value[CLI_BIC];
+    trial->e2_most = fmax(r->e2 + r->e2_error, floor);
+    trial->lower_bound = fmax(r->lower_bound, floor);
+    trial->effective = brdffit_cli_effective_observations(job, &fitter->options);
+    trial->channels = brdffit_cli_distinct_channels(r);
     job->trial_count = lobes > job->trial_count ? lobes : job->trial_count;
+    if (lobes > 1) {
+        trial->gain = gain(trial, lobes, trial->e2_most);
+        trial->gain_most = gain(trial, lobes, trial->lower_bound);
+    }
     return 1;
 }
 
-/* Of more lobes than one; NaN (as many parameters as observations) is no gain. */
 static int gains(const struct cli_job *job, int lobes)
 {
-    return job->trials[lobes - 2].bic - job->trials[lobes - 1].bic >= CLI_TELLING;
+    return job->trials[lobes - 1].gain >= CLI_TELLING; /* NaN, as many parameters as observations, is no gain */
 }
 
 static void choose(struct cli_job *job, struct cli_fitter *fitter)
@@ -69,17 +84,17 @@ void brdffit_cli_job_run_auto(struct cli_job *job, struct cli_fitter *fitter, co
 static void add_step(struct cli_text *words, const struct cli_job *job, int lobes)
 {
     static const char *const names[] = {"", "", "second", "third"};
-    const struct cli_lobe_trial *const one = &job->trials[lobes - 2], *const more = &job->trials[lobes - 1];
-    const double change = more->bic - one->bic, least = more->bic_bound - one->bic;
-    if (isnan(change)) {
+    const struct cli_lobe_trial *const trial = &job->trials[lobes - 1];
+    if (isnan(trial->gain)) {
         brdffit_cli_text_printf(words, "; a %s would need more observations", names[lobes]);
         return;
     }
-    brdffit_cli_text_printf(words, "; a %s %s BIC by %.*f", names[lobes], change < 0 ? "lowers" : "raises",
-                            fabs(change) < 1000, fabs(change));
+    brdffit_cli_text_printf(words, "; a %s %s BIC by %.*f", names[lobes], trial->gain > 0 ? "lowers" : "raises",
+                            fabs(trial->gain) < 1000, fabs(trial->gain));
     if (!gains(job, lobes)) {
         brdffit_cli_text_printf(words, ", and no %s lobe%s lowers it by %d or more", names[lobes],
-                                least > -CLI_TELLING ? ", whatever its roughness," : " that was found", CLI_TELLING);
+                                trial->gain_most < CLI_TELLING ? ", whatever its roughness," : " that was found",
+                                CLI_TELLING);
     }
 }
 
@@ -110,16 +125,18 @@ void brdffit_cli_json_trials(struct cli_json *json, const struct cli_job *job, c
     brdffit_cli_json_open(json, "lobes_auto", '{');
     brdffit_cli_json_string(json, "criterion", "bic");
     brdffit_cli_json_number(json, "threshold", CLI_TELLING);
-    brdffit_cli_json_bool(json, "proven",
-                          kept < all && job->trials[kept].bic_bound - job->trials[kept - 1].bic > -CLI_TELLING);
+    brdffit_cli_json_bool(json, "proven", kept < all && job->trials[kept].gain_most < CLI_TELLING);
     brdffit_cli_json_open(json, "trials", '[');
     for (int p = 0; p < all; p++) {
         brdffit_cli_json_open(json, NULL, '{');
         brdffit_cli_json_count(json, "lobes", (size_t)p + 1);
         brdffit_cli_json_number(json, "e2", job->trials[p].e2);
         brdffit_cli_json_number(json, "lower_bound", job->trials[p].lower_bound);
-        brdffit_cli_json_number(json, "bic", job->trials[p].bic);
-        brdffit_cli_json_number(json, "bic_bound", job->trials[p].bic_bound);
+        brdffit_cli_json_number(json, "effective_observations", job->trials[p].effective);
+        if (p > 0) {
+            brdffit_cli_json_number(json, "gain", job->trials[p].gain);
+            brdffit_cli_json_number(json, "gain_most", job->trials[p].gain_most);
+        }
         brdffit_cli_json_close(json, '}');
     }
     brdffit_cli_json_close(json, ']');

@@ -31,7 +31,8 @@ const struct cli_model brdffit_cli_default_models[] = {
 
 const struct cli_preset brdffit_cli_presets[] = {
     {TWO("paper", BRDFFIT_BECKMANN, BRDFFIT_BECKMANN), 60, "84",
-     "Yu, Seo and Lee: two Beckmann lobes, light up to 60 degrees, 84 directions of a MERL table"},
+     "Yu, Seo and Lee: two Beckmann lobes, light up to 60 degrees;\n"
+     "                  of a MERL table 84 directions"},
     {ONE("cook-torrance", BRDFFIT_BECKMANN), 0, NULL, "Cook and Torrance 1982: one Beckmann lobe"},
     {ONE("phong", BRDFFIT_LAFORTUNE), 0, NULL, "a cosine lobe about the mirrored light"},
     {{"", 0, {BRDFFIT_BECKMANN}, 0, 0, 0}, 0, NULL, NULL},
@@ -45,6 +46,13 @@ const struct cli_preset *brdffit_cli_find_preset(const char *name)
         }
     }
     return NULL;
+}
+
+void brdffit_cli_add_presets(struct cli_text *text)
+{
+    for (const struct cli_preset *p = brdffit_cli_presets; p->model.lobes > 0; p++) {
+        brdffit_cli_text_printf(text, "  %-15s %s\n", p->model.name, p->summary);
+    }
 }
 
 /* ---- Names ------------------------------------------------------------- */
@@ -93,14 +101,33 @@ static int add_part(struct cli_model *model, const char *part, size_t length)
     return 0;
 }
 
+static int is_called(const struct cli_model *model, const char *name, size_t length)
+{
+    return strlen(model->name) == length && memcmp(model->name, name, length) == 0;
+}
+
+static const struct cli_model *in_table(const char *name, size_t length)
+{
+    for (const struct cli_preset *p = brdffit_cli_presets; p->model.lobes > 0; p++) {
+        if (is_called(&p->model, name, length)) {
+            return &p->model;
+        }
+    }
+    for (const struct cli_model *m = brdffit_cli_default_models; m->lobes > 0; m++) {
+        if (is_called(m, name, length)) {
+            return m;
+        }
+    }
+    return NULL;
+}
+
 int brdffit_cli_find_model(const char *name, size_t length, struct cli_model *model)
 {
     const struct cli_model none = {"", 0, {BRDFFIT_BECKMANN}, 0, 0, 0};
-    for (const struct cli_preset *p = brdffit_cli_presets; p->model.lobes > 0; p++) {
-        if (strlen(p->model.name) == length && memcmp(p->model.name, name, length) == 0) {
-            *model = p->model;
-            return 1;
-        }
+    const struct cli_model *const known = in_table(name, length);
+    if (known != NULL) {
+        *model = *known;
+        return 1;
     }
     *model = none;
     for (size_t at = 0; at <= length;) {

@@ -38,10 +38,13 @@ extern const struct cli_preset brdffit_cli_presets[]; /* ends with one without l
 /* What `compare` fits when nobody says what; ends with one without lobes. */
 extern const struct cli_model brdffit_cli_default_models[];
 
+/* A line a preset: its name, and what it stands for. */
+void brdffit_cli_add_presets(struct cli_text *text);
+
 /* The preset of that name, or NULL. */
 const struct cli_preset *brdffit_cli_find_preset(const char *name);
 
-/* The model that the first `length` bytes of `name` call so: a preset, or [N]DISTRIBUTION with + between several. 1, or 0
+/* The model that the first `length` bytes of `name` call so: a line of a table, or [N]DISTRIBUTION with + between several. 1, or 0
  * when that is no model. */
 int brdffit_cli_find_model(const char *name, size_t length, struct cli_model *model);
 

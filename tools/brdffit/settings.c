@@ -31,6 +31,8 @@ const struct cli_choice brdffit_cli_format_choices[] = {{"auto", BRDFFIT_IO_FORM
 static const struct cli_choice criteria[] = {
     {"bic", CLI_BIC, 0}, {"aic", CLI_AIC, 0}, {"aicc", CLI_AICC, 0}, {NULL, 0, 0}};
 
+static const struct cli_choice observations[] = {{"effective", 0, 0}, {"all", 1, 0}, {NULL, 0, 0}};
+
 static const struct cli_choice map_formats[] = {{"npy", CLI_MAP_NPY, 0}, {"pfm", CLI_MAP_PFM, 0}, {NULL, 0, 0}};
 
 #define AT(member) offsetof(struct cli_settings, member)
@@ -52,14 +54,17 @@ const struct cli_option brdffit_cli_options[] = {
           "support, by BIC), or what each is: ggx,ward"),
     PLAIN("lobes", 0, CLI_STRING, CLI_MAP, lobes_given, "1|2|3|NAME,...",
           "specular lobes (default 1): how many of\n--distribution, or what each is: ggx,ward"),
-    PLAIN("model", 0, CLI_STRING, CLI_FIT, model, "NAME",
-          "a form of 'brdffit compare' (2beckmann) or a\npreset: paper, cook-torrance or phong; options\n"
-          "beside it go before it"),
+    PLAIN(
+        "model", 0, CLI_STRING, CLI_FIT, model, "NAME",
+        "a preset (below), or a form as of 'brdffit\ncompare' (2beckmann); options beside it go\nbefore what it stands for"),
     PLAIN("models", 0, CLI_STRING, CLI_COMPARE, models, "NAME,...", "forms of model to compare; see below"),
     CHOICE("criterion", CLI_COMPARE, 0, criterion, criteria, "bic|aic|aicc",
            "what weighs the fit against the number of its\nparameters (default bic)"),
     {"threshold", 0, CLI_NUMBER, CLI_COMPARE, 0, AT(threshold), 0, 1e300, 1, NULL, "X",
      "models less than this behind the best in that\ncriterion cannot be told from it (default 6)"},
+    CHOICE("observations", CLI_COMPARE, 0, count_all, observations, "effective|all",
+           "what the criterion counts: as many Gaussian\nresiduals as would be as uneven as the best\n"
+           "fit's, or every value (default effective)"),
     PLAIN("distribution", 0, CLI_DISTRIBUTION, FITS, distribution, "NAME", NULL),
     CHOICE("norm", FITS, 0, norm, brdffit_cli_norm_choices, "l2|l1|linf",
            "minimise the sum of squared or of absolute\nresiduals, or the largest one (default l2)"),
@@ -99,7 +104,9 @@ const struct cli_option brdffit_cli_options[] = {
            "format of FILE (default auto: by content)"),
     PLAIN("select", 0, CLI_COUNT, CLI_EVAL, select, "N",
           "use line N of FIT.json, from 1 (default: the\nline whose \"file\" is FILE)"),
-    PLAIN("json", 0, CLI_FLAG, CLI_FIT | CLI_INFO | CLI_COMPARE, json, NULL, "one JSON object a line and file"),
+    PLAIN("json", 0, CLI_FLAG, CLI_FIT | CLI_INFO, json, NULL, "one JSON object a line and file"),
+    PLAIN("json", 0, CLI_FLAG, CLI_COMPARE, json, NULL,
+          "a JSON line of 'brdffit fit' for each model, then\none of the verdict"),
     PLAIN("shard", 0, CLI_STRING, CLI_FIT, shard, "I/N",
           "fit part I of N only: every Nth FILE, from the\nIth; needs --json. 'brdffit merge' joins the\n"
           "parts"),

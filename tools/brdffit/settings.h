@@ -67,6 +67,7 @@ struct cli_settings {
     const char *models; /* compare --models; NULL: the default list */
     int criterion;      /* cli_criterion */
     double threshold;   /* of its differences */
+    int count_all;      /* --observations all */
     const char **files; /* in the order given; the array is owned */
     size_t file_count;
 };
