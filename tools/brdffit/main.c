@@ -162,6 +162,9 @@ static int dispatch(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
+    /* A help is written whole when standard output is closed, so that its failure is told there. */
+    static char buffer[16384];
+    (void)setvbuf(stdout, buffer, _IOFBF, sizeof buffer);
     guard_descriptors();
     brdffit_cli_catch_signals();
     /* Characters only: numbers keep the "C" locale's decimal point. */

@@ -301,8 +301,8 @@ def compare(samples: SamplesLike, models: Sequence[str | Sequence[str]] | None =
             **options: Unpack[CompareOptions]) -> Comparison:
     """Fit many forms of model to samples (or to a file of them), with proof, and say which of them the data support.
 
-    models: names as "2beckmann" or "beckmann+ggx", or lists of distributions; None: a dozen, every distribution once and more lobes of
-        Beckmann and GGX
+    models: names as "2beckmann" or "beckmann+ggx", or lists of distributions; None: a dozen, every distribution
+        once and more lobes of Beckmann and GGX
     criterion: "bic", "aic" or "aicc"
     threshold: models less than this behind the best in the criterion cannot be told from it
     observations: what the criterion counts: "effective", as many Gaussian residuals as would be as uneven as those of the fit
@@ -334,7 +334,7 @@ def compare(samples: SamplesLike, models: Sequence[str | Sequence[str]] | None =
 def _attempt(data: Samples, options: Options, progress: ProgressArgument) -> tuple[Fit | None, BrdffitError | None]:
     try:
         return run(data, options, None, progress, {}), None
-    except (UnsupportedError, OptionError, OutOfMemoryError) as error:
+    except (UnsupportedError, OutOfMemoryError) as error:
         return None, error
 
 
