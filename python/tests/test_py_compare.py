@@ -153,3 +153,16 @@ def test_wrong_arguments(arguments):
 def test_wrong_data_raise(instruments):
     with pytest.raises(brdffit.FileError):
         compare_function(instruments / "missing.csv")
+
+
+def test_a_section_of_the_report(instruments, tmp_path):
+    from brdffit import report
+
+    file = instruments / "two_lobe_satin.csv"
+    code = report.main(["-o", str(tmp_path), "--quiet", "--lobes", "1", "--models", "ggx,2beckmann", str(file)])
+    (page,) = tmp_path.glob("*.html")
+    text = page.read_text(encoding="utf-8")
+    assert code == report.CERTIFIED and text.count("<h2>Which model</h2>") == 1 and "2 Beckmann *" in text
+    assert "Best: 2 Beckmann has the least BIC" in text and "780 observations, counted as" in text
+    assert "Which model" not in report.page(brdffit.Samples.from_file(file), "satin", lobes=1)
+    assert report.main(["-o", str(tmp_path), "--quiet", "--models", "nothing", str(file)]) == report.USAGE

@@ -214,10 +214,14 @@ class Comparison(Sequence[Row]):
             lines += textwrap.wrap(paragraph, 79, initial_indent="  ", subsequent_indent="  ")
         return "\n".join(lines)
 
+    @property
+    def table(self) -> list[list[str]]:
+        """Heads, then a row a model, best first, as text."""
+        return [[row[1] + (" " + row[0] if row[0].strip() else ""), *row[2:]] for row in _table(self)]
+
     def _repr_html_(self) -> str:
-        rows = [[row[1] + (" " + row[0] if row[0].strip() else ""), *row[2:]] for row in _table(self)]
         return "<div class='brdffit'>%s%s</div>" % (
-            _words.html_table(rows), "".join("<p>%s</p>" % _html.escape(text) for text in self.words))
+            _words.html_table(self.table), "".join("<p>%s</p>" % _html.escape(text) for text in self.words))
 
 
 # ---- Names -----------------------------------------------------------------
