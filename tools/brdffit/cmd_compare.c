@@ -22,6 +22,7 @@ struct run {
     size_t count;
     int exit_code;
     int reports; /* printed so far */
+    size_t not_begun;
 };
 
 static void add_defaults(struct cli_text *text)
@@ -129,6 +130,7 @@ static int compare_file(struct run *r, size_t index)
     const int usable = job.status == BRDFFIT_OK && !job.not_begun;
     r->exit_code = brdffit_cli_worse_exit(r->exit_code, usable ? brdffit_cli_comparison_exit(&comparison)
                                                                : brdffit_cli_job_exit(&job));
+    r->not_begun += (size_t)job.not_begun;
     const int failed = publish(r, &comparison, &job, &text);
     brdffit_cli_text_free(&text);
     brdffit_cli_job_free(&job);
@@ -166,6 +168,10 @@ static int run_compare(struct run *r)
     if (compare_files(r) != 0) {
         brdffit_cli_output_abandon(&r->output);
         return CLI_EXIT_FAILURE;
+    }
+    if (r->not_begun > 0) {
+        fprintf(stderr, "brdffit: interrupted; %zu file%s not begun\n", r->not_begun,
+                r->not_begun == 1 ? " was" : "s were");
     }
     return brdffit_cli_output_commit(&r->output) != 0 ? CLI_EXIT_FAILURE : r->exit_code;
 }

@@ -140,7 +140,9 @@ static void add_observations(struct cli_text *words, const struct cli_comparison
     brdffit_cli_grouped(words, c->observations);
     brdffit_cli_text_printf(words, " observations (%zu\tchannel%s)", c->channels, c->channels == 1 ? "" : "s");
     if (c->effective < (double)c->observations) {
-        brdffit_cli_text_printf(words, ", counted as %.0f: so many Gaussian residuals are as uneven", c->effective);
+        brdffit_cli_text_puts(words, ", counted as ");
+        brdffit_cli_grouped(words, (size_t)(c->effective + 0.5));
+        brdffit_cli_text_puts(words, ": so many Gaussian residuals are as uneven");
     }
 }
 

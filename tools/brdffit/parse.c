@@ -391,10 +391,6 @@ static enum cli_parse check_together(const struct parser *p)
         fprintf(stderr, "brdffit %s: --merl-samples and --output need a file's name\n", p->command_name);
         return usage(p);
     }
-    if (s->lobes_auto && s->norm != BRDFFIT_NORM_L2) {
-        fprintf(stderr, "brdffit %s: --lobes auto is for --norm l2\n", p->command_name);
-        return usage(p);
-    }
     if (check_shard(p) != CLI_PARSED) {
         return CLI_PARSE_FAILED;
     }
@@ -450,8 +446,5 @@ enum cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int
     if (answer == CLI_PARSED && settings->model != NULL) {
         answer = parse_over_model(&p, argc, argv);
     }
-    if (answer != CLI_PARSED) {
-        return answer;
-    }
-    return check_together(&p);
+    return answer == CLI_PARSED ? check_together(&p) : answer;
 }
