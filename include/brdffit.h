@@ -198,6 +198,67 @@ BRDFFIT_API const char *brdffit_distribution_title(brdffit_distribution distribu
  * s = n; "unknown" for no distribution of ours. */
 BRDFFIT_API const char *brdffit_parameter_string(brdffit_distribution distribution);
 
+/*
+ * What a lobe's reflectance does with the angle between light and half vector (theory 7.2 of docs/theory.md).
+ *
+ * NONE      nothing: y is all there is (the paper's model)
+ * SCHLICK   y is multiplied by F = F0 + (1 - F0) w, w = (1 - v.h)^5 (Schlick 1994), with an F0 in [0, 1] of each lobe
+ *           and channel, found and certified with the rest: linear in y F0 and y (1 - F0). w below 1e-100 counts as 0.
+ */
+typedef enum brdffit_fresnel {
+    BRDFFIT_FRESNEL_NONE = 0,
+    BRDFFIT_FRESNEL_SCHLICK,
+    BRDFFIT_FRESNEL_COUNT
+} brdffit_fresnel;
+
+/* Constant name: "none", "schlick"; "unknown" for none of ours. */
+BRDFFIT_API const char *brdffit_fresnel_string(brdffit_fresnel fresnel);
+
+/*
+ * Masking and shadowing G of microfacets, of BECKMANN and GGX lobes only.
+ *
+ * V_CAVITY         min{1, 2 (n.h)(n.v) / (v.h), 2 (n.h)(n.l) / (v.h)}, which does not know sigma (the paper's)
+ * SMITH            Smith's, height-correlated: 1 / (1 + Lambda(l) + Lambda(v)) (Heitz 2014, Walter et al. 2007), exact
+ * SMITH_SEPARABLE  Smith's, 1 / ((1 + Lambda(l)) (1 + Lambda(v)))
+ * NONE             1
+ */
+typedef enum brdffit_masking {
+    BRDFFIT_MASKING_V_CAVITY = 0,
+    BRDFFIT_MASKING_SMITH,
+    BRDFFIT_MASKING_SMITH_SEPARABLE,
+    BRDFFIT_MASKING_NONE,
+    BRDFFIT_MASKING_COUNT
+} brdffit_masking;
+
+/* Constant name: "v-cavity", "smith", "smith-separable", "none"; "unknown" for none of ours. */
+BRDFFIT_API const char *brdffit_masking_string(brdffit_masking masking);
+
+/*
+ * The diffuse term: non-negative columns a_f of radiance, each with a coefficient x_f of each channel. l = n.l, v = n.v,
+ * d = v.h, F(t) = (1 - t)^5.
+ *
+ * LAMBERT     l / pi
+ * NONE        no column
+ * OREN_NAYAR  l / pi; and l / pi max(0, cos(difference of azimuths)) sin(a) tan(b), a the larger and b the smaller
+ *             polar angle (Oren and Nayar 1994, its qualitative model, whose two terms are A and B of its roughness)
+ * BURLEY      l / pi (1 - F(l) / 2) (1 - F(v) / 2); l / pi 2 d^2 (F(l) + F(v) - F(l) F(v)); l / pi 4 d^4 F(l) F(v).
+ *             With coefficients x, x r, x r^2 these are the diffuse term of Burley 2012 with roughness r, x its
+ *             colour; here the three are free and not negative.
+ */
+typedef enum brdffit_diffuse {
+    BRDFFIT_DIFFUSE_LAMBERT = 0,
+    BRDFFIT_DIFFUSE_NONE,
+    BRDFFIT_DIFFUSE_OREN_NAYAR,
+    BRDFFIT_DIFFUSE_BURLEY,
+    BRDFFIT_DIFFUSE_COUNT
+} brdffit_diffuse;
+
+/* Constant name: "lambert", "none", "oren-nayar", "burley"; "unknown" for none of ours. */
+BRDFFIT_API const char *brdffit_diffuse_string(brdffit_diffuse diffuse);
+
+/* Columns of a diffuse term: 1, 1 (which is zero), 2, 3; 0 for none of ours. */
+BRDFFIT_API int brdffit_diffuse_columns(brdffit_diffuse diffuse);
+
 typedef enum brdffit_norm {
     BRDFFIT_NORM_L2 = 0, /* sum_ik w_i r_ik^2 */
     BRDFFIT_NORM_L1,     /* sum_ik w_i |r_ik|: indifferent to how far an outlier is out */
@@ -284,6 +345,12 @@ typedef struct brdffit_options {
     const brdffit_distribution *distributions; /* P entries, or NULL (default): `distribution` for every lobe. Lobes
                                                   come out with those of a distribution together, in the order of their
                                                   first mention: of GGX, WARD, GGX a result has GGX, GGX, WARD */
+    brdffit_fresnel fresnel; /* of every lobe. Default NONE */
+    brdffit_diffuse diffuse; /* Default LAMBERT. All columns together, those of `diffuse` and one a lobe (two with
+                                SCHLICK), are at most 7: more is BRDFFIT_ERR_UNSUPPORTED. Neither other than the default
+                                goes with samples in COEFFICIENTS or with sums */
+    brdffit_masking masking; /* Default V_CAVITY. Of every lobe, which then must be BECKMANN or GGX: another is
+                                BRDFFIT_ERR_UNSUPPORTED with any but the default; so are samples in COEFFICIENTS and sums */
 } brdffit_options;
 
 /* Set struct_size and every default. NULL is fine: nothing happens. */
@@ -305,6 +372,13 @@ typedef struct brdffit_model {
                             y multiplies lambda(s) exp(-c s) b: the paper's scaling */
     const brdffit_distribution *distributions; /* P entries (always in a result), or NULL: `distribution`
                                                   for every lobe */
+    brdffit_fresnel fresnel;
+    brdffit_diffuse diffuse;
+    const double *f0; /* K x P row-major, in [0, 1]: reflectance at normal incidence, a factor of y (SCHLICK). Of a
+                             lobe with y = 0 it is 0. NULL without Fresnel */
+    const double *x_more; /* K x (columns - 1) row-major: x of the diffuse term's further columns; NULL where
+                             there is one */
+    brdffit_masking masking;
 } brdffit_model;
 
 /* Set struct_size, one lobe, and zero or NULL elsewhere. NULL is fine: nothing happens. */
@@ -313,20 +387,20 @@ BRDFFIT_API void brdffit_model_init_sized(brdffit_model *model, size_t struct_si
 
 /* Bits of brdffit_lobe.warnings. */
 #define BRDFFIT_WARN_UNRESOLVED 1u /* fewer than 3 effective samples: the directions do not resolve it */
-#define BRDFFIT_WARN_FLAT 2u       /* the data cannot tell sigma inside [sigma_low, sigma_high] */
-#define BRDFFIT_WARN_UNUSED 4u     /* its coefficient is zero in every channel */
-#define BRDFFIT_WARN_AT_LIMIT 8u   /* sigma (the exponent) sits on an end of its range: widen the range */
+#define BRDFFIT_WARN_FLAT 2u /* the data cannot tell sigma inside [sigma_low, sigma_high] */
+#define BRDFFIT_WARN_UNUSED 4u /* its coefficient is zero in every channel */
+#define BRDFFIT_WARN_AT_LIMIT 8u /* sigma (the exponent) sits on an end of its range: widen the range */
 
 typedef struct brdffit_lobe {
-    double sigma;             /* of the optimum; the largest where E^2 is flat */
-    double sigma_low;         /* E^2 is the optimum's to rounding on [sigma_low, sigma_high]; */
-    double sigma_high;        /* both equal sigma when the data do identify it */
-    double exponent;          /* n of the optimum, the smallest where E^2 is flat; sigma = 1/sqrt(n). */
-    double exponent_low;      /* The same interval in terms of n: from sigma_high */
-    double exponent_high;     /* to sigma_low. All three 0 where the parameter is sigma */
-    double weight;            /* w_p: this lobe's share of the sum of all y; 0 if all are zero */
+    double sigma; /* of the optimum; the largest where E^2 is flat */
+    double sigma_low; /* E^2 is the optimum's to rounding on [sigma_low, sigma_high]; */
+    double sigma_high; /* both equal sigma when the data do identify it */
+    double exponent; /* n of the optimum, the smallest where E^2 is flat; sigma = 1/sqrt(n). */
+    double exponent_low; /* The same interval in terms of n: from sigma_high */
+    double exponent_high; /* to sigma_low. All three 0 where the parameter is sigma */
+    double weight; /* w_p: this lobe's share of the sum of all y; 0 if all are zero */
     double effective_samples; /* N_eff = (sum g^2)^2 / sum g^4, at most the samples used */
-    unsigned warnings;        /* BRDFFIT_WARN_* */
+    unsigned warnings; /* BRDFFIT_WARN_* */
     double sigma_floor; /* what is proven is proven for this lobe's sigma from here to sigma_max, n from exponent_min
                                  to 1 / sigma_floor^2, ends included: see brdffit_result.sigma_floor, the largest */
 } brdffit_lobe;

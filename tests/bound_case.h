@@ -99,7 +99,7 @@ static inline void bound_case_rescale(struct bound_case *c, const struct reduced
     size_t i;
 
     for (i = 0; i < c->count; i++) {
-        c->a[i] /= data->scale_a;
+        c->a[i] /= data->scale_a[0];
         c->b[i] /= data->table[0].scale_b;
     }
 }

@@ -245,7 +245,7 @@ static inline void lc_rows(struct lobes_case *m)
             struct geometry g;
 
             lc_geometry(m, i, model->distribution[p], &g);
-            m->row_a[i] = root * g.a / data->scale_a;
+            m->row_a[i] = root * g.a / data->scale_a[0];
             m->row_b[p][i] = root * g.b / table->scale_b;
             m->row_c[p][i] = (long double)g.c - m->c_min[p];
             for (k = 0; k < m->channels; k++) {

@@ -137,7 +137,7 @@ static inline void mc_free(struct moments_case *m)
 /* In the units of the reduction; dividing by powers of two is exact. */
 static inline long double mc_a(const struct moments_case *m, size_t i)
 {
-    return (long double)m->a[i] / m->fit.data.scale_a;
+    return (long double)m->a[i] / m->fit.data.scale_a[0];
 }
 
 static inline long double mc_b(const struct moments_case *m, size_t i)

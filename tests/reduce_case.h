@@ -73,11 +73,11 @@ static inline brdffit_status try_reduce(struct outcome *o, const brdffit_samples
     brdffit_options_init(&options);
     brdffit_model_make(&model, &options);
     brdffit_arena_init(&arena, NULL, 0);
-    brdffit_reduce_layout(&o->r, &arena, s->count, s->channels, 1);
+    brdffit_reduce_layout(&o->r, &arena, s->count, s->channels, &model);
     o->block = malloc(arena.used);
     assert_non_null(o->block);
     brdffit_arena_init(&arena, o->block, arena.used);
-    brdffit_reduce_layout(&o->r, &arena, s->count, s->channels, 1);
+    brdffit_reduce_layout(&o->r, &arena, s->count, s->channels, &model);
     assert_false(arena.failed);
     return brdffit_reduce(&o->r, s, &model, &options, error);
 }
@@ -117,7 +117,7 @@ static inline void check_group(const struct problem *p, const struct reduced *r,
         if (j < r->distinct && p->b[i] > 0.0 && p->c[i] - r->table[0].c_min == r->table[0].c[j]) {
             bb += weight(p, r, i) * b * b;
             b4 += powl(weight(p, r, i) * b * b, 2.0L);
-            ab += weight(p, r, i) * (p->a[i] / r->scale_a) * b;
+            ab += weight(p, r, i) * (p->a[i] / r->scale_a[0]) * b;
         }
     }
     within("bb", r->table[0].bb[j], bb, SUM_ERROR * bb);
@@ -144,16 +144,16 @@ static inline void check_sums(const struct problem *p, const struct reduced *r)
     size_t i, j, k;
 
     for (i = 0; i < p->count; i++) {
-        aa += weight(p, r, i) * powl(p->a[i] / r->scale_a, 2.0L);
+        aa += weight(p, r, i) * powl(p->a[i] / r->scale_a[0], 2.0L);
         weights += weight(p, r, i);
     }
-    within("aa", r->aa, aa, SUM_ERROR * aa);
+    within("aa", r->aa[0][0], aa, SUM_ERROR * aa);
     within("sum of weights", r->weight_sum, weights, SUM_ERROR * weights);
     for (k = 0; k < p->channels; k++) {
         long double ai = 0.0L, ii = 0.0L, magnitude = 0.0L;
 
         for (i = 0; i < p->count; i++) {
-            long double term = weight(p, r, i) * (p->a[i] / r->scale_a) * value(p, r, i, k);
+            long double term = weight(p, r, i) * (p->a[i] / r->scale_a[0]) * value(p, r, i, k);
 
             ai += term;
             magnitude += fabsl(term);
@@ -190,7 +190,7 @@ static inline void check_rows(const struct problem *p, const struct reduced *r, 
             y[j] = brdffit_test_uniform(&random, -2.0, 2.0);
         }
         for (i = 0; i < p->count; i++) {
-            long double a = p->a[i] / r->scale_a, b = p->b[i] / r->table[0].scale_b, v = value(p, r, i, k),
+            long double a = p->a[i] / r->scale_a[0], b = p->b[i] / r->table[0].scale_b, v = value(p, r, i, k),
                         along = 0.0L;
 
             for (j = 0; j < r->distinct; j++) {

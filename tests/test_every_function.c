@@ -147,6 +147,10 @@ static void call_strings(void)
     STRING(brdffit_distribution_string, BRDFFIT_GGX);
     STRING(brdffit_distribution_title, BRDFFIT_GGX);
     STRING(brdffit_parameter_string, BRDFFIT_GGX);
+    STRING(brdffit_fresnel_string, BRDFFIT_FRESNEL_SCHLICK);
+    STRING(brdffit_masking_string, BRDFFIT_MASKING_SMITH);
+    STRING(brdffit_diffuse_string, BRDFFIT_DIFFUSE_BURLEY);
+    VALUE(int, brdffit_diffuse_columns, BRDFFIT_DIFFUSE_BURLEY);
     STRING(brdffit_norm_string, BRDFFIT_NORM_L1);
     STRING(brdffit_engine_string, BRDFFIT_ENGINE_SOCP);
     STRING(brdffit_isa_string, BRDFFIT_ISA_BASE);

@@ -170,9 +170,25 @@ static void test_columns(void **state)
 
 /* ---- Corners and shifts ---------------------------------------------------------------------------------------- */
 
+/* A model's columns: fixed, each of a side, sides. */
+struct shape {
+    int F, Q, S;
+};
+
+static int columns_of(struct shape m)
+{
+    return m.F + m.Q * m.S;
+}
+
+/* The side of column c, -1 of a fixed one. */
+static int side_of(struct shape m, int c)
+{
+    return c < m.F ? -1 : (c - m.F) / m.Q;
+}
+
 struct corners {
     struct gains in;
-    double omega[CHANNELS], tau[SIDES_MOST][2][CHANNELS], shift[SIDES_MOST][CHANNELS];
+    double omega[FIXED_MOST][CHANNELS], tau[MOVING_MOST][2][CHANNELS], shift[MOVING_MOST][CHANNELS];
 };
 
 static double draw_fall(uint64_t *s)
@@ -185,117 +201,169 @@ static double draw_fall(uint64_t *s)
     }
 }
 
+/* Columns of the sides at one channel. */
+static void draw_channel(struct corners *c, struct shape m, size_t k, int near, double wide, uint64_t *s)
+{
+    int p;
+
+    for (p = 0; p < m.F; p++) {
+        c->omega[p][k] = case_next(s) % 6 ? case_uniform(s) : -case_uniform(s);
+    }
+    for (p = 0; p < m.Q * m.S; p++) {
+        c->tau[p][0][k] = near ? c->omega[0][k] * (1.0 + 1e-9 * case_signed(s)) : case_uniform(s);
+        c->tau[p][1][k] = case_next(s) % 6 ? c->tau[p][0][k] + 0.01 * case_signed(s) : case_signed(s);
+        c->shift[p][k] = case_next(s) % 4 ? wide * case_signed(s) : 0.0;
+    }
+}
+
 /* Numbers as bounds have them: anything that LIMIT_SHIFT lets through. */
-static void draw_corners(struct corners *c, int sides, uint64_t *s)
+static void draw_corners(struct corners *c, struct shape m, uint64_t *s)
 {
     double wide = case_next(s) % 4 ? 0.1 : 1e6;
     int p, e, i, near = case_next(s) % 3 == 0;
     size_t k;
 
     c->in.channels = 1 + case_next(s) % CHANNELS;
-    c->in.omega = c->omega;
-    for (p = 0; p < sides; p++) {
+    for (p = 0; p < m.F; p++) {
+        c->in.omega[p] = c->omega[p];
+    }
+    for (p = 0; p < m.Q * m.S; p++) {
         c->in.tau[p][0] = c->tau[p][0];
         c->in.tau[p][1] = c->tau[p][1];
         c->in.shift[p] = c->shift[p];
     }
     for (k = 0; k < c->in.channels; k++) {
-        c->omega[k] = case_next(s) % 6 ? case_uniform(s) : -case_uniform(s);
-        for (p = 0; p < sides; p++) {
-            c->tau[p][0][k] = near ? c->omega[k] * (1.0 + 1e-9 * case_signed(s)) : case_uniform(s);
-            c->tau[p][1][k] = case_next(s) % 6 ? c->tau[p][0][k] + 0.01 * case_signed(s) : case_signed(s);
-            c->shift[p][k] = case_next(s) % 4 ? wide * case_signed(s) : 0.0;
-        }
+        draw_channel(c, m, k, near, wide, s);
     }
-    for (e = 0; e < (int)COSINES(sides); e++) {
+    for (e = 0; e < COSINES(columns_of(m)); e++) {
         for (i = 0; i < 4; i++) {
             c->in.cosine[e][i] = case_next(s) % 8 ? draw_cosine(s) : case_signed(s);
         }
         c->in.fall[e][0] = draw_fall(s);
-        c->in.fall[e][1] = e < sides ? 0.0 : draw_fall(s);
+        c->in.fall[e][1] = draw_fall(s);
     }
 }
 
-/* J at corner c (bits) with the sides of subset z shifted; *norm2: what its rounding is relative to. */
-static long double exact_gain(const struct corners *c, int sides, unsigned corner, unsigned shifted, long double *norm2)
+/* The cosine of columns i < j at a corner with some sides shifted. */
+static long double exact_cosine(const struct corners *c, struct shape m, int i, int j, unsigned corner,
+                                unsigned shifted)
 {
-    long double cosine[COSINES(SIDES_MOST)], t[1 + SIDES_MOST], sum = 0.0L;
-    int p, q, e = 0, entry = sides;
+    int e = COSINE(columns_of(m), i, j), p = side_of(m, i), q = side_of(m, j);
+    unsigned high_p = p < 0 ? 0 : corner >> p & 1, high_q = q < 0 ? 0 : corner >> q & 1;
+    long double v;
+
+    if (q < 0) {
+        return c->in.cosine[e][0];
+    }
+    if (p < 0 || p == q) {
+        return (long double)c->in.cosine[e][high_q] - (shifted >> q & 1 ? c->in.fall[e][0] : 0.0);
+    }
+    v = c->in.cosine[e][high_p + 2 * high_q];
+    v -= shifted >> p & 1 ? (long double)c->in.fall[e][0] : 0.0L;
+    v -= shifted >> q & 1 ? (long double)c->in.fall[e][1] : 0.0L;
+    return v;
+}
+
+/* J at corner c (bits) with the sides of subset z shifted; *norm2: what its rounding is relative to. */
+static long double exact_gain(const struct corners *c, struct shape m, unsigned corner, unsigned shifted,
+                              long double *norm2)
+{
+    long double cosine[COSINES(COLUMNS_MOST)], t[COLUMNS_MOST], sum = 0.0L;
+    int i, j, e = 0, n = columns_of(m);
     size_t k;
 
-    for (p = 0; p < sides; p++) {
-        cosine[e++] = (long double)c->in.cosine[p][corner >> p & 1] - (shifted >> p & 1 ? c->in.fall[p][0] : 0.0);
-    }
-    for (p = 0; p < sides; p++) {
-        for (q = p + 1; q < sides; q++, entry++) {
-            long double v = c->in.cosine[entry][(corner >> p & 1) + 2 * (corner >> q & 1)];
-
-            v -= shifted >> p & 1 ? (long double)c->in.fall[entry][0] : 0.0L;
-            v -= shifted >> q & 1 ? (long double)c->in.fall[entry][1] : 0.0L;
-            cosine[e++] = v;
+    for (i = 0; i < n; i++) {
+        for (j = i + 1; j < n; j++) {
+            cosine[e++] = exact_cosine(c, m, i, j, corner, shifted);
         }
     }
     *norm2 = 0.0L;
     for (k = 0; k < c->in.channels; k++) {
-        t[0] = c->omega[k];
-        *norm2 += t[0] * t[0];
-        for (p = 0; p < sides; p++) {
-            t[1 + p] = (long double)c->tau[p][corner >> p & 1][k] + (shifted >> p & 1 ? c->shift[p][k] : 0.0);
-            *norm2 += t[1 + p] * t[1 + p];
+        for (i = 0; i < n; i++) {
+            int p = side_of(m, i), d = i - m.F;
+
+            t[i] = p < 0 ? c->omega[i][k]
+                         : (long double)c->tau[d][corner >> p & 1][k] + (shifted >> p & 1 ? c->shift[d][k] : 0.0);
+            *norm2 += t[i] * t[i];
         }
-        sum += gr_gain(1 + sides, cosine, t);
+        sum += gr_gain(n, cosine, t);
     }
     return sum;
 }
 
 /* Two shifts of 1e6 that cancel leave 1e-10 of rounding in an entry: what that is worth, beside R's own. */
-static long double entry_rounding(const struct corners *c, int sides)
+static long double entry_rounding(const struct corners *c, struct shape m)
 {
     long double largest = 0.0L;
-    int e;
+    int e, n = columns_of(m);
 
-    for (e = 0; e < (int)COSINES(sides); e++) {
+    for (e = 0; e < COSINES(n); e++) {
         largest = fmaxl(largest, fabsl((long double)c->in.fall[e][0]) + fabsl((long double)c->in.fall[e][1]));
     }
-    return 4.0L * TOL_UNIT * largest * (1 + sides) * sides;
+    return 4.0L * TOL_UNIT * largest * n * (n - 1);
+}
+
+/* One model's instance against the truth, and every instruction set against the first. */
+static long check_shape(struct shape m, const struct kernels *const *table, size_t tables, long trials, uint64_t *s)
+{
+    long trial, checked = 0;
+    size_t i;
+
+    for (trial = 0; trial < trials; trial++) {
+        double gain[GAINS(SIDES_MOST)], first[GAINS(SIDES_MOST)];
+        unsigned corners = 1u << m.S, c;
+        struct corners in;
+
+        draw_corners(&in, m, s);
+        table[0]->gains[m.F - 1][m.Q - 1][m.S - 1](&in.in, 1, first);
+        for (c = 0; c < GAINS((unsigned)m.S); c++) {
+            long double norm2, exact = exact_gain(&in, m, c % corners, c / corners, &norm2);
+
+            if (!(fabsl((long double)first[c] - exact) <=
+                  (gr_allowed(columns_of(m)) + entry_rounding(&in, m)) * norm2)) {
+                fail_msg("%d fixed, %d of %d sides, trial %ld, number %u: %.17g, exactly %.17Lg", m.F, m.Q, m.S, trial,
+                         c, first[c], exact);
+            }
+            checked++;
+        }
+        for (i = 0; i < tables; i++) {
+            memset(gain, 0xff, sizeof gain);
+            table[i]->gains[m.F - 1][m.Q - 1][m.S - 1](&in.in, 1, gain);
+            assert_memory_equal(gain, first, GAINS((unsigned)m.S) * sizeof *gain);
+            memset(gain, 0xff, sizeof gain);
+            table[i]->gains[m.F - 1][m.Q - 1][m.S - 1](&in.in, 0, gain);
+            assert_memory_equal(gain, first, corners * sizeof *gain);
+        }
+    }
+    return checked;
 }
 
 static void test_corners(void **state)
 {
     const struct kernels *table[BRDFFIT_ISA_COUNT];
-    size_t tables = all_kernels(table), i;
+    size_t tables = all_kernels(table);
+    long checked = 0, models = 0;
     uint64_t s = 5;
-    long trial, checked = 0;
-    int sides;
+    struct shape m;
 
     (void)state;
-    for (sides = 1; sides <= SIDES_MOST; sides++) {
-        for (trial = 0; trial < 6000; trial++) {
-            double gain[GAINS(SIDES_MOST)], first[GAINS(SIDES_MOST)];
-            unsigned corners = 1u << sides, c;
-            struct corners in;
-
-            draw_corners(&in, sides, &s);
-            table[0]->gains[sides - 1](&in.in, 1, first);
-            for (c = 0; c < GAINS((unsigned)sides); c++) {
-                long double norm2, exact = exact_gain(&in, sides, c % corners, c / corners, &norm2);
-
-                if (!(fabsl((long double)first[c] - exact) <=
-                      (gr_allowed(1 + sides) + entry_rounding(&in, sides)) * norm2)) {
-                    fail_msg("%d sides, trial %ld, number %u: %.17g, exactly %.17Lg", sides, trial, c, first[c], exact);
+    for (m.F = 1; m.F <= FIXED_MOST; m.F++) {
+        for (m.Q = 1; m.Q <= EACH_MOST; m.Q++) {
+            for (m.S = 1; m.S <= SIDES_MOST; m.S++) {
+                if (columns_of(m) > COLUMNS_MOST) {
+                    assert_null(table[0]->gains[m.F - 1][m.Q - 1][m.S - 1]);
+                    continue;
                 }
-                checked++;
-            }
-            for (i = 0; i < tables; i++) {
-                memset(gain, 0xff, sizeof gain);
-                table[i]->gains[sides - 1](&in.in, 1, gain);
-                assert_memory_equal(gain, first, GAINS((unsigned)sides) * sizeof *gain);
-                memset(gain, 0xff, sizeof gain);
-                table[i]->gains[sides - 1](&in.in, 0, gain);
-                assert_memory_equal(gain, first, corners * sizeof *gain);
+                checked += check_shape(m, table, tables,
+                                       m.F == 1 && m.Q == 1 ? 6000
+                                       : columns_of(m) > 5  ? 200
+                                                            : 1500,
+                                       &s);
+                models++;
             }
         }
     }
+    assert_int_equal(models, 16);
     print_message("%ld gains, %zu instruction sets\n", checked, tables);
 }
 

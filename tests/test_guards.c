@@ -103,7 +103,7 @@ static void look_at(const struct gains *in, int shifted, int sides)
             assert_true(fabs(in->shift[p][k]) <= LIMIT_SHIFT * spy.moments->norm[k]);
         }
     }
-    for (e = 0; e < (int)COSINES(sides); e++) {
+    for (e = 0; e < COSINES(1 + sides); e++) {
         assert_true(fabs(in->fall[e][0]) <= LIMIT_SHIFT && fabs(in->fall[e][1]) <= LIMIT_SHIFT);
     }
     for (p = 0; p < sides; p++) {
@@ -111,8 +111,9 @@ static void look_at(const struct gains *in, int shifted, int sides)
             spy.negative |= in->cosine[p][c] - fmax(in->fall[p][0], 0.0) < 0.0;
         }
     }
-    for (p = 0, e = sides; p < sides; p++) {
-        for (q = p + 1; q < sides; q++, e++) {
+    for (p = 0; p < sides; p++) {
+        for (q = p + 1; q < sides; q++) {
+            e = COSINE(1 + sides, 1 + p, 1 + q);
             for (c = 0; c < 4; c++) {
                 spy.negative |= in->cosine[e][c] - (fmax(in->fall[e][0], 0.0) + fmax(in->fall[e][1], 0.0)) < 0.0;
             }
@@ -125,7 +126,7 @@ static void look_at(const struct gains *in, int shifted, int sides)
     {                                                                                                                  \
         unsigned i;                                                                                                    \
         look_at(in, shifted, sides);                                                                                   \
-        spy.real->gains[sides - 1](in, shifted, gain);                                                                 \
+        spy.real->gains[0][0][sides - 1](in, shifted, gain);                                                           \
         for (i = 0; i < (shifted ? GAINS(sides) : 1u << sides); i++) {                                                 \
             assert_true(gain[i] >= 0.0 && gain[i] <= 1e16); /* (1 + sides) K LIMIT_SHIFT^2 and room */                 \
         }                                                                                                              \
@@ -151,9 +152,9 @@ static void test_kernel_arguments(void **state)
     memset(&spy, 0, sizeof spy);
     spy.real = brdffit_kernels(BRDFFIT_ISA_AUTO);
     spy.table = *spy.real;
-    spy.table.gains[0] = spy_gains_1;
-    spy.table.gains[1] = spy_gains_2;
-    spy.table.gains[2] = spy_gains_3;
+    spy.table.gains[0][0][0] = spy_gains_1;
+    spy.table.gains[0][0][1] = spy_gains_2;
+    spy.table.gains[0][0][2] = spy_gains_3;
     spy.table.box_maximum[0] = spy_maximum_1;
     spy.table.box_maximum[1] = spy_maximum_2;
     spy.table.box_maximum[2] = spy_maximum_3;

@@ -76,10 +76,10 @@ static void test_weight_is_repetition(void **state)
     assert_int_equal(one.r.distinct, two.r.distinct);
     /* To the units of the other, by powers of two. */
     w = one.r.scale_w;
-    a = one.r.scale_a / two.r.scale_a;
+    a = one.r.scale_a[0] / two.r.scale_a[0];
     b = one.r.table[0].scale_b / two.r.table[0].scale_b;
     v = one.r.value_scale / two.r.value_scale;
-    within("aa", one.r.aa * w * a * a, two.r.aa, SUM_ERROR * two.r.aa);
+    within("aa", one.r.aa[0][0] * w * a * a, two.r.aa[0][0], SUM_ERROR * two.r.aa[0][0]);
     for (k = 0; k < 3; k++) {
         assert_true(one.r.channel_scale[k] == two.r.channel_scale[k]);
         within("ii", one.r.ii[k] * w * v * v, two.r.ii[k], SUM_ERROR * two.r.ii[k]);

@@ -134,7 +134,7 @@ static void test_scales(void **state)
                 p.values[n] *= size[(i + 3 * j) % 7];
             }
             reduce(&o, &p.samples);
-            assert_true(frexp(o.r.scale_a, &exponent) == 0.5 && frexp(o.r.table[0].scale_b, &exponent) == 0.5);
+            assert_true(frexp(o.r.scale_a[0], &exponent) == 0.5 && frexp(o.r.table[0].scale_b, &exponent) == 0.5);
             assert_true(frexp(o.r.scale_w, &exponent) == 0.5);
             check_sums(&p, &o.r);
             check_rows(&p, &o.r, j);

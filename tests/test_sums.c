@@ -36,14 +36,16 @@ static void reduce_sums(struct outcome *o, const brdffit_sums *sums)
 {
     struct arena arena;
     brdffit_options options;
+    struct model model;
 
     brdffit_options_init(&options);
+    brdffit_model_make(&model, &options);
     brdffit_arena_init(&arena, NULL, 0);
-    brdffit_reduce_layout(&o->r, &arena, brdffit_sums_rows(sums), sums->channels, 1);
+    brdffit_reduce_layout(&o->r, &arena, brdffit_sums_rows(sums), sums->channels, &model);
     o->block = malloc(arena.used);
     assert_non_null(o->block);
     brdffit_arena_init(&arena, o->block, arena.used);
-    brdffit_reduce_layout(&o->r, &arena, brdffit_sums_rows(sums), sums->channels, 1);
+    brdffit_reduce_layout(&o->r, &arena, brdffit_sums_rows(sums), sums->channels, &model);
     assert_false(arena.failed);
     assert_int_equal(brdffit_sums_reduce(sums, &options, &o->r, NULL), BRDFFIT_OK);
 }
@@ -64,7 +66,7 @@ static void check_gram(const struct problem *p, const struct reduced *r, uint64_
             y[j] = brdffit_test_uniform(&random, -2.0, 2.0);
         }
         for (i = 0; i < p->count; i++) {
-            long double a = p->a[i] / r->scale_a, b = p->b[i] / r->table[0].scale_b, v = value(p, r, i, k),
+            long double a = p->a[i] / r->scale_a[0], b = p->b[i] / r->table[0].scale_b, v = value(p, r, i, k),
                         along = 0.0L;
 
             for (j = 0; j < r->distinct; j++) {

@@ -99,9 +99,13 @@ void brdffit_batch_tile_layout(struct batch_tile *t, struct arena *arena, size_t
     t->scan.magnitude = ARENA_DOUBLES(arena, K * LANES);
 }
 
-void brdffit_batch_fast_scratch(struct reduced *r, double **values, struct arena *arena, size_t count)
+void brdffit_batch_fast_scratch(struct reduced *r, double **values, struct arena *arena, size_t count,
+                                const brdffit_options *options)
 {
-    brdffit_reduce_layout(r, arena, count, 1, 1);
+    struct model model;
+
+    brdffit_model_make(&model, options);
+    brdffit_reduce_layout(r, arena, count, 1, &model);
     *values = ARENA_DOUBLES(arena, count);
 }
 
@@ -128,9 +132,9 @@ static void keep_samples(struct batch_fast *f, const struct reduced *r, const br
     f->used = r->used;
     f->channels = geometry->channels;
     f->distinct = r->distinct;
-    f->root_a = sqrt(r->aa);
+    f->root_a = sqrt(r->aa[0][0]);
     f->c_min = t->c_min;
-    f->scale_a = r->scale_a;
+    f->scale_a = r->scale_a[0];
     f->scale_b = t->scale_b;
     f->scale_w = r->scale_w;
     f->slack = TOL_UNIT * (8.0 * (TOL_MOMENT_BASE + (double)r->used) + 2.0 * TOL_GAIN);

@@ -95,7 +95,8 @@ void brdffit_batch_fast_layout(struct batch_fast *fast, struct arena *arena, siz
 void brdffit_batch_tile_layout(struct batch_tile *tile, struct arena *arena, size_t count, size_t channels);
 
 /* Room that making the plan needs for a while, and the making; 0 when this geometry has no fast path. */
-void brdffit_batch_fast_scratch(struct reduced *reduced, double **values, struct arena *arena, size_t count);
+void brdffit_batch_fast_scratch(struct reduced *reduced, double **values, struct arena *arena, size_t count,
+                                const brdffit_options *options);
 int brdffit_batch_fast_start(struct batch_fast *fast, const brdffit_samples *geometry, const brdffit_options *options,
                              struct reduced *scratch, double *values);
 

@@ -84,7 +84,7 @@ static void charge_groups(struct reduced *r, struct table *t)
             int lobe = isfinite(t->sample_c[i]);
 
             gamma = lobe ? larger(gamma, c->c[i]) : gamma;
-            if (lobe && !(t->c[j] > 0.0)) {
+            if (lobe && !(t->c[j] > t->c_low)) {
                 others = least > 0 ? larger(others, c->c[i]) : others;
                 c->reference = least == 0 ? c->c[i] : c->reference;
                 least++;
@@ -127,16 +127,38 @@ static void charge_hidden(struct reduced *r, struct table *t, const brdffit_samp
     c->any_c = any_least;
 }
 
+/* Of fixed columns what is not the error of n.l: norms of it over those of the columns. */
+static double charge_columns(const struct reduced *r, brdffit_norm norm)
+{
+    double sum = 0.0;
+    size_t i;
+    int f;
+
+    for (f = 0; f < r->fixed && r->diffuse_off; f++) {
+        const double *a = r->sample_a + (size_t)f * r->room, *off = r->off_a + (size_t)f * r->room;
+        double size = 0.0, error = 0.0;
+
+        for (i = 0; i < r->used; i++) {
+            size = join(size, a[i], norm);
+            error = join(error, off[i], norm);
+        }
+        sum += size > 0.0 ? SAFE * root_of(error, norm) / root_of(size, norm) : 0.0;
+    }
+    return sum;
+}
+
 /* Of a and of radiance made from f_r, which share the error of n.l: the largest, or, where that is a grazing light's, norms. */
 static void charge_diffuse(const struct reduced *r, struct charge *c, const brdffit_samples *samples, brdffit_norm norm)
 {
-    double a = 0.0, error = 0.0, data = 0.0, data_error = 0.0;
-    size_t i, k;
+    double a[FIXED_MOST] = {0.0}, error[FIXED_MOST] = {0.0}, data = 0.0, data_error = 0.0;
+    size_t i, k, f;
 
-    c->diffuse = 2.0 * SAFE * c->grazing;
+    c->diffuse = (1.0 + r->fixed) * SAFE * c->grazing;
     for (i = 0; i < r->used && c->grazing > 1e-12; i++) {
-        a = join(a, r->sample_a[i], norm);
-        error = join(error, r->sample_a[i] * c->light[i], norm);
+        for (f = 0; f < (size_t)r->fixed; f++) {
+            a[f] = join(a[f], r->sample_a[f * r->room + i], norm);
+            error[f] = join(error[f], r->sample_a[f * r->room + i] * c->light[i], norm);
+        }
         for (k = 0; k < r->channels; k++) {
             double value = fabs(brdffit_reduce_value(r, samples, (uint32_t)i, k));
 
@@ -145,10 +167,13 @@ static void charge_diffuse(const struct reduced *r, struct charge *c, const brdf
         }
     }
     if (c->grazing > 1e-12) {
-        a = a > 0.0 ? root_of(error, norm) / root_of(a, norm) : 0.0;
-        data = data > 0.0 ? root_of(data_error, norm) / root_of(data, norm) : 0.0;
-        c->diffuse = SAFE * (a + data);
+        c->diffuse = data > 0.0 ? root_of(data_error, norm) / root_of(data, norm) : 0.0;
+        for (f = 0; f < (size_t)r->fixed; f++) {
+            c->diffuse += a[f] > 0.0 ? root_of(error[f], norm) / root_of(a[f], norm) : 0.0;
+        }
+        c->diffuse *= SAFE;
     }
+    c->diffuse += charge_columns(r, norm);
 }
 
 void brdffit_charge_groups(struct reduced *r)

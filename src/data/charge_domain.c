@@ -17,11 +17,11 @@ static double from_maxima(const struct reduced *r, const struct table *t, const 
 {
     const struct charge *c = &t->charge;
     double largest = 0.0, sharpest = 0.0, reach;
-    double sum = c->spread * kind->sensitivity(most, larger(0.0, t->c_min - c->spread));
+    double sum = c->spread * kind->sensitivity(most, larger(0.0, t->c_min + t->c_low - c->spread));
     size_t j;
 
     for (j = 0; j < r->distinct; j++) {
-        if (t->c[j] > 0.0) {
+        if (t->c[j] > t->c_low) {
             largest = larger(largest, t->bb[j]);
         } else {
             sharpest = larger(sharpest, t->bb[j]);
@@ -32,14 +32,17 @@ static double from_maxima(const struct reduced *r, const struct table *t, const 
     for (j = 0; j < r->distinct; j++) {
         double error = c->gamma[j] + c->reference;
 
-        if (!(t->c[j] > 0.0)) {
+        double beyond = t->c[j] - t->c_low;
+
+        if (!(beyond > 0.0) || !(t->bb[j] > 0.0)) {
             continue;
         }
         if (kind->exponential) {
-            sum = larger(sum, error * most * t->c[j] > error * reach ? error * reach / t->c[j] : error * most);
+            sum = larger(sum, error * most * beyond > error * reach ? error * reach / beyond : error * most);
         } else {
-            sum = larger(sum, error * kind->sensitivity(most, larger(0.0, t->c[j] + t->c_min - error)) +
-                                  c->reference * kind->sensitivity(most, larger(0.0, t->c_min - c->reference)));
+            sum = larger(sum,
+                         error * kind->sensitivity(most, larger(0.0, t->c[j] + t->c_min - error)) +
+                             c->reference * kind->sensitivity(most, larger(0.0, t->c_min + t->c_low - c->reference)));
         }
     }
     return SAFE * (c->relative + (1.0 + c->relative) * sum * kernel_exp(smaller(sum, 1.0)) + 1e-17);
@@ -67,7 +70,7 @@ static void fill_norms(struct reduced *r, struct table *t)
         }
         c->off[j] = root_of(off, c->norm);
         c->weight[j] = root_of(weight, c->norm);
-        c->least = t->c[j] > 0.0 ? c->least : larger(c->least, c->weight[j]);
+        c->least = t->c[j] > t->c_low ? c->least : larger(c->least, c->weight[j]);
     }
     c->all = c->norm == BRDFFIT_NORM_LINF ? 0.0 : root_of(all, c->norm);
     c->mean = sum > 0.0 ? SAFE * mean / sum : 0.0;
@@ -77,13 +80,13 @@ static void fill_norms(struct reduced *r, struct table *t)
 static double group_error(const struct table *t, const struct lobe_kind *kind, size_t j, double low, double high)
 {
     const struct charge *c = &t->charge;
-    int sharp = !(t->c[j] > 0.0);
+    int sharp = !(t->c[j] > t->c_low);
     double error = sharp ? c->spread : c->gamma[j] + c->reference, total = t->c_min + t->c[j], x;
-    double s = kind->exponential && (t->c[j] - error) * low >= 1.0 ? low : high;
+    double s = kind->exponential && (t->c[j] - t->c_low - error) * low >= 1.0 ? low : high;
 
     x = error * kind->sensitivity(s, larger(0.0, total - error));
     if (!kind->exponential && !sharp) {
-        x += c->reference * kind->sensitivity(s, larger(0.0, t->c_min - c->reference));
+        x += c->reference * kind->sensitivity(s, larger(0.0, t->c_min + t->c_low - c->reference));
     }
     return x < 600.0 ? x * kernel_exp(x) : INFINITY;
 }

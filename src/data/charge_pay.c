@@ -53,10 +53,10 @@ struct doubt brdffit_charge_box(const struct reduced *r, const struct model *mod
                                 const double *high)
 {
     struct doubt d = {r->table[0].charge.diffuse, 0.0, 0.0}, one;
-    int p;
+    int c;
 
-    for (p = 0; p < model->lobes; p++) {
-        int kind = model->lobe[p].kind;
+    for (c = 0; c < model->lobes * model->each; c++) {
+        int kind = model_kind_of(model, c), p = model_lobe_of(model, c);
 
         one = lobe_doubt(&r->table[model->geometry[kind]].charge, &r->kind_charge[kind], low[p], high[p]);
         d.error += one.error;
@@ -70,10 +70,10 @@ struct doubt brdffit_charge_box(const struct reduced *r, const struct model *mod
 double brdffit_charge_point(const struct reduced *r, const struct model *model, const double *theta)
 {
     double error = 0.0;
-    int p;
+    int column;
 
-    for (p = 0; p < model->lobes; p++) {
-        int kind = model->lobe[p].kind;
+    for (column = 0; column < model->lobes * model->each; column++) {
+        int kind = model_kind_of(model, column), p = model_lobe_of(model, column);
         const struct charge *c = &r->table[model->geometry[kind]].charge;
         const struct kind_charge *k = &r->kind_charge[kind];
         double own = lobe_error(k, theta[p], theta[p]);
@@ -90,14 +90,15 @@ double brdffit_charge_point(const struct reduced *r, const struct model *model, 
 static double charge_all(const struct reduced *r, const struct model *model)
 {
     double error = r->table[0].charge.diffuse;
-    int p;
+    int c;
 
-    for (p = 0; p < model->lobes; p++) {
-        const struct kind_charge *k = &r->kind_charge[model->lobe[p].kind];
+    for (c = 0; c < model->lobes * model->each; c++) {
+        int kind = model_kind_of(model, c);
+        const struct kind_charge *k = &r->kind_charge[kind];
 
         /* Only boxes at its end pay for a tail that costs much more than the domain (GGX). */
         if (k->step > 0.0 || k->tail > larger(1e-14, 1.25 * k->body) ||
-            r->table[model->geometry[model->lobe[p].kind]].charge.hidden > 0.0) {
+            r->table[model->geometry[kind]].charge.hidden > 0.0) {
             return -1.0;
         }
         error += larger(k->body, k->tail);

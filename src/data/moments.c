@@ -21,12 +21,13 @@ static size_t kept(const struct lobe_kind *kind)
     return kind->exponential ? 1 : 3;
 }
 
-static void layout_kind(struct kind_moments *m, struct arena *arena, size_t stride, size_t channels, uint32_t nodes)
+static void layout_kind(struct kind_moments *m, struct arena *arena, size_t stride, size_t channels, size_t functionals,
+                        uint32_t nodes)
 {
     m->node = brdffit_arena_take(arena, nodes, sizeof *m->node);
     marks_layout(&m->ready, arena, nodes);
     m->tau_pool = brdffit_arena_take(arena, nodes, channels * sizeof(double));
-    m->functional_pool = brdffit_arena_take(arena, nodes, (1 + 2 * channels) * sizeof(struct functional));
+    m->functional_pool = brdffit_arena_take(arena, nodes, functionals * sizeof(struct functional));
     m->phi_doubles = shape_doubles(stride * kept(m->kind), nodes);
     m->phi_pool = ARENA_DOUBLES(arena, m->phi_doubles);
 }
@@ -39,21 +40,47 @@ void brdffit_moments_layout(struct moments *m, struct arena *arena, size_t count
 
     m->capacity = capacity;
     m->kinds = model->kinds;
-    m->omega = ARENA_DOUBLES(arena, channels);
+    for (i = 0; i < model->fixed; i++) {
+        m->omega[i] = ARENA_DOUBLES(arena, channels);
+    }
     m->norm = ARENA_DOUBLES(arena, channels);
-    m->cache = model->lobes > 1 ? brdffit_arena_take(arena, PAIR_CACHE, sizeof *m->cache) : NULL;
+    m->cache = model->lobes * model->each > 1 ? brdffit_arena_take(arena, PAIR_CACHE, sizeof *m->cache) : NULL;
     for (i = 0; i < model->kinds; i++) {
         m->kind[i].kind = model->kind[i];
         m->kind[i].geometry = model->geometry[i];
-        layout_kind(&m->kind[i], arena, stride, channels, capacity + SCRATCH_NODES);
+        layout_kind(&m->kind[i], arena, stride, channels, reduced_functionals(model, channels),
+                    capacity + SCRATCH_NODES);
     }
     m->scratch = ARENA_DOUBLES(arena, stride > SIZE_MAX / 64 ? SIZE_MAX / 8 : 6 * stride);
+}
+
+/* Fixed columns against each other and the data. */
+static void start_fixed(struct moments *m)
+{
+    const struct reduced *data = m->data;
+    int f, g;
+    size_t k;
+
+    for (f = 0; f < data->fixed; f++) {
+        double root = sqrt(data->aa[f][f]);
+
+        m->inverse_a[f] = root > 0.0 ? 1.0 / root : 0.0;
+        for (k = 0; k < data->bounded; k++) {
+            double along = data->ai[(size_t)f * data->channels + data->bound_channel[k]];
+
+            m->omega[f][k] = (root > 0.0 ? data->bound_root[k] * along / root : 0.0) + m->epsilon * m->norm[k];
+        }
+        for (g = 0; g < f; g++) {
+            double cosine = data->aa[f][g] * m->inverse_a[f] * m->inverse_a[g] - m->epsilon;
+
+            m->fixed[f][g] = m->fixed[g][f] = cosine > 0.0 ? cosine : 0.0;
+        }
+    }
 }
 
 void brdffit_moments_start(struct moments *m, const struct reduced *data, const struct model *model,
                            const struct kernels *kernels)
 {
-    double root = sqrt(data->aa);
     size_t k;
     int i;
 
@@ -64,11 +91,9 @@ void brdffit_moments_start(struct moments *m, const struct reduced *data, const 
     m->slack = TOL_GAIN * (model->columns > 3 ? TOL_GAIN_COLUMNS : 1.0) * TOL_UNIT + m->epsilon;
     m->slack = (m->slack + slack_of_channels(data->channels)) * data->total;
     for (k = 0; k < data->bounded; k++) {
-        double factor = data->bound_root[k], along = data->ai[data->bound_channel[k]];
-
-        m->norm[k] = factor * sqrt(data->ii[data->bound_channel[k]]);
-        m->omega[k] = (data->aa > 0.0 ? factor * along / root : 0.0) + m->epsilon * m->norm[k];
+        m->norm[k] = data->bound_root[k] * sqrt(data->ii[data->bound_channel[k]]);
     }
+    start_fixed(m);
     for (i = 0; i < m->kinds; i++) {
         m->kind[i].kind = model->kind[i];
         m->kind[i].table = &data->table[m->kind[i].geometry];
@@ -152,17 +177,20 @@ static double node_epsilon(const struct moments *m, const struct table *t, const
 static void projections(const struct moments *m, const struct table *t, struct node *node)
 {
     const struct reduced *data = m->data;
-    size_t k, K = data->bounded;
+    size_t k, f, K = data->bounded, F = (size_t)data->fixed;
     double inverse = node->root > 0.0 ? 1.0 / node->root : 0.0;
-    double kappa = data->aa > 0.0 ? node->functional[0].f0 * inverse / sqrt(data->aa) : 0.0;
 
     node->epsilon = node_epsilon(m, t, node);
-    node->kappa = kappa - node->epsilon;
-    for (k = 0; k < K; k++) {
-        double v = node->functional[1 + k].f0;
+    for (f = 0; f < F; f++) {
+        double kappa = m->inverse_a[f] > 0.0 ? node->functional[f].f0 * inverse / sqrt(data->aa[f][f]) : 0.0;
 
-        if (data->functionals > 1 + K) {
-            v -= node->functional[1 + K + k].f0;
+        node->kappa[f] = kappa - node->epsilon;
+    }
+    for (k = 0; k < K; k++) {
+        double v = node->functional[F + k].f0;
+
+        if (data->functionals > F + K) {
+            v -= node->functional[F + K + k].f0;
         }
         node->tau[k] = v * inverse + node->epsilon * m->norm[k];
     }

@@ -26,7 +26,7 @@ struct node {
     double mean;       /* of x = -ell under p = bb phi^2 / H */
     double m2, m3, m4; /* its central moments (m3 and m4 for exponential lobes only) */
     double epsilon;    /* rounding allowance of this node's sums */
-    double kappa;      /* cosine of a and g, lowered by epsilon */
+    double kappa[FIXED_MOST]; /* cosines of the fixed columns and g, lowered by epsilon */
     double *tau;       /* B: data along the normalised lobe, raised by epsilon |I_k| */
     struct functional *functional; /* as table.linear */
     double *phi;       /* stride, or NULL: see brdffit_moments_shape() */
@@ -59,7 +59,9 @@ struct moments {
     int kinds;
     struct kind_moments kind[KINDS_MOST];
     double epsilon;     /* rounding allowance of a sum, but for its exponents */
-    double *omega;      /* B (reduced.bounded): data along the normalised a, raised by epsilon |I_k| */
+    double *omega[FIXED_MOST]; /* B (reduced.bounded) each: data along the normalised a, raised by epsilon |I_k| */
+    double inverse_a[FIXED_MOST]; /* 1 / |a|; 0 of a column that vanishes */
+    double fixed[FIXED_MOST][FIXED_MOST]; /* cosines of fixed columns, lowered by epsilon; not below 0 */
     double *norm;       /* B: |I_k| */
     double slack;       /* rounding allowance of an objective, absolute */
     uint32_t capacity;  /* nodes of each kind */

@@ -8,28 +8,30 @@
 
 #include "base/error.h"
 #include "model/geometry.h"
+#include "model/diffuse.h"
 #include "model/lobe.h"
 #include "data/reduce_parts.h"
 #include "base/tolerance.h"
 #include "base/vector.h"
 
-static void layout_table(struct table *t, struct arena *arena, size_t count, size_t channels)
+static void layout_table(struct table *t, struct arena *arena, size_t count, size_t functionals)
 {
     size_t stride = PADDED(count);
 
     t->c = ARENA_DOUBLES(arena, stride);
     t->bb = ARENA_DOUBLES(arena, stride);
     t->concentration = ARENA_DOUBLES(arena, stride);
-    t->linear = brdffit_arena_take(arena, stride, (1 + 2 * channels) * sizeof(double));
+    t->linear = brdffit_arena_take(arena, stride, functionals * sizeof(double));
     t->row_b = ARENA_DOUBLES(arena, count);
     t->sample_b = ARENA_DOUBLES(arena, count);
     t->sample_c = ARENA_DOUBLES(arena, count);
 }
 
-void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels, int geometries)
+void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels,
+                           const struct model *model)
 {
-    size_t width = channels + 1 + (size_t)geometries;
-    int g, h;
+    size_t fixed = (size_t)model->fixed, width = channels + fixed + (size_t)model->geometries;
+    int geometries = model->geometries, g, h;
 
     if (channels > SIZE_MAX / 64 || count > UINT32_MAX || width > SIZE_MAX / 8 / (width + REDUCE_BLOCK)) {
         arena->failed = 1;
@@ -37,22 +39,26 @@ void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t 
     }
     reduced->channels = channels;
     reduced->geometries = geometries;
+    reduced->bases = model->bases;
+    reduced->fixed = model->fixed;
+    reduced->room = count;
     for (g = 0; g < geometries; g++) {
-        layout_table(&reduced->table[g], arena, count, channels);
+        layout_table(&reduced->table[g], arena, count, reduced_functionals(model, channels));
         for (h = 0; h < g; h++) {
             reduced->cross[g * (g - 1) / 2 + h] = ARENA_DOUBLES(arena, PADDED(count));
         }
     }
     reduced->bound_channel = brdffit_arena_take(arena, channels, sizeof *reduced->bound_channel);
     reduced->bound_root = ARENA_DOUBLES(arena, channels);
-    reduced->ai = ARENA_DOUBLES(arena, channels);
+    reduced->ai = brdffit_arena_take(arena, channels, fixed * sizeof(double));
     reduced->ii = ARENA_DOUBLES(arena, channels);
     reduced->channel_scale = ARENA_DOUBLES(arena, channels);
-    reduced->row_a = ARENA_DOUBLES(arena, count);
+    reduced->row_a = brdffit_arena_take(arena, count, fixed * sizeof(double));
     reduced->row_value = brdffit_arena_take(arena, count, channels * sizeof(double));
     reduced->row_c = brdffit_arena_take(arena, count, sizeof(uint32_t));
     reduced->row_square = ARENA_DOUBLES(arena, count);
-    reduced->sample_a = ARENA_DOUBLES(arena, count);
+    reduced->sample_a = brdffit_arena_take(arena, count, fixed * sizeof(double));
+    reduced->off_a = brdffit_arena_take(arena, count, fixed * sizeof(double));
     reduced->sample_factor = ARENA_DOUBLES(arena, count);
     reduced->sample = brdffit_arena_take(arena, count, sizeof(uint32_t));
     reduced->order = brdffit_arena_take(arena, count, sizeof(uint32_t));
@@ -88,6 +94,23 @@ static void keep_table(struct reduced *r, int t, const struct geometry *g)
     brdffit_charge_sample(&r->table[t].charge, r->used, g);
 }
 
+/* Columns without a shape of a sample that counts. */
+static void keep_fixed(struct reduced *r, const struct model *model, const struct geometry *lead)
+{
+    double column[FIXED_MOST], error[FIXED_MOST];
+    int f;
+
+    if (model->diffuse == BRDFFIT_DIFFUSE_LAMBERT) {
+        r->sample_a[r->used] = lead->a;
+        return;
+    }
+    brdffit_diffuse_row(model->diffuse, lead, column, error);
+    for (f = 0; f < r->fixed; f++) {
+        r->sample_a[(size_t)f * r->room + r->used] = column[f];
+        r->off_a[(size_t)f * r->room + r->used] = error[f];
+    }
+}
+
 /* a of a sample that counts, and its b and c in every geometry. */
 static void keep_sample(struct reduced *r, const brdffit_samples *s, const struct model *model, size_t i,
                         const struct geometry *lead)
@@ -96,18 +119,18 @@ static void keep_sample(struct reduced *r, const brdffit_samples *s, const struc
     int t;
 
     r->sample[r->used] = (uint32_t)i;
-    r->sample_a[r->used] = lead->a;
-    keep_table(r, model->lead, lead);
-    for (t = 0; t < r->geometries; t++) {
-        if (t == model->lead) {
-            continue;
-        }
+    keep_fixed(r, model, lead);
+    for (t = 0; t < r->bases; t++) {
         g = *lead;
-        if (s->form != BRDFFIT_FORM_COEFFICIENTS) {
+        if (t != model->lead && s->form != BRDFFIT_FORM_COEFFICIENTS) {
             g.b_hidden = g.c_hidden = 0.0;
             model->kind[model->shown_by[t]]->row(&lead->angles, &g);
         }
         keep_table(r, t, &g);
+        if (r->geometries > r->bases) {
+            brdffit_schlick_column(&g);
+            keep_table(r, t + r->bases, &g);
+        }
     }
 }
 
@@ -289,6 +312,17 @@ void brdffit_reduce_value_scale(struct reduced *r, double magnitude)
     r->value_scale = magnitude >= 0.5 && magnitude <= 1.0 ? 1.0 : power_of_two(magnitude);
 }
 
+/* Errors of a become those of the weighted column. */
+static void weigh_errors(struct reduced *r, int f, const double *root)
+{
+    double *off = r->off_a + (size_t)f * r->room;
+    size_t j;
+
+    for (j = 0; j < r->used && r->diffuse_off; j++) {
+        off[j] *= (root ? root[j] : 1.0) / r->scale_a[f];
+    }
+}
+
 /* Scales of a, b, w and values; sample_a, sample_b and sample_factor get their final, weighted values. */
 static brdffit_status choose_scales(struct reduced *r, const brdffit_samples *s, brdffit_norm norm,
                                     brdffit_error *error)
@@ -296,9 +330,12 @@ static brdffit_status choose_scales(struct reduced *r, const brdffit_samples *s,
     const double *root = roots_of(r, s, norm);
     brdffit_status status = BRDFFIT_OK;
     size_t j;
-    int g;
+    int f, g;
 
-    weigh(r, r->sample_a, root, &r->scale_a);
+    for (f = 0; f < r->fixed; f++) {
+        weigh(r, r->sample_a + (size_t)f * r->room, root, &r->scale_a[f]);
+        weigh_errors(r, f, root);
+    }
     for (g = 0; g < r->geometries && status == BRDFFIT_OK; g++) {
         status = finish_table(r, &r->table[g], root, error);
     }
@@ -316,6 +353,7 @@ brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *sa
     brdffit_status status;
 
     brdffit_charge_none(reduced);
+    reduced->diffuse_off = model->diffuse == BRDFFIT_DIFFUSE_OREN_NAYAR || model->diffuse == BRDFFIT_DIFFUSE_BURLEY;
     status = classify(reduced, samples, model, options, error);
 
     if (status == BRDFFIT_OK) {

@@ -30,6 +30,7 @@ struct table {
     double snapped;        /* largest relative change of c - c_min by merging */
     struct charge charge;  /* what the geometry's rounding costs a bound */
     double scale_b;
+    double c_low;          /* smallest c - c_min where there is a lobe: 0, unless it is of second columns */
     double *c;             /* c - c_min; of geometry 0 ascending and distinct */
     double *bb;            /* sum w b^2 */
     double *concentration; /* sum w^2 b^4 / bb^2, for the effective number of samples */
@@ -45,42 +46,46 @@ struct reduced {
     size_t channels;    /* K */
     size_t distinct;    /* M groups: samples that agree in the c of every geometry */
     size_t stride;      /* PADDED(M): distance of two rows of the arrays by group */
-    int geometries;
+    int geometries, bases; /* model.h */
     struct table table[KINDS_MOST];
     struct kind_charge kind_charge[KINDS_MOST];
     double *cross[CROSSES_MOST]; /* sum w b b' of two geometries: reduced_cross() */
-    size_t functionals; /* 1 + B, or 1 + 2 B when some value is negative */
+    size_t functionals; /* F + B, or F + 2 B when some value is negative */
     size_t bounded;     /* B <= K: channels that bounds look at, without zero ones and with identical ones merged */
     size_t *bound_channel; /* B: each one's channel (the first of identical ones) */
     double *bound_root; /* B: root of how many it stands for, a factor of its sums in `linear` */
     size_t channels_zero, channels_identical;
-    double aa;         /* sum w a^2 over all samples */
-    double *ai;        /* K: sum w a I */
+    int fixed;         /* F columns without a shape */
+    double aa[FIXED_MOST][FIXED_MOST]; /* sum w a a' of them over all samples */
+    double *ai;        /* F x K: sum w a I */
     double *ii;        /* K: sum w I^2 */
     double total;      /* objective of the zero model: sum of ii; l1: sum of |I|; linf: largest |I| */
     double weight_sum; /* sum w */
 
     size_t rows;       /* R <= N rows of the vector form; norms other than l2: every used sample is a row */
-    double *row_a;
+    double *row_a;     /* F x used, the first R of each */
     double *row_value; /* K x used, the first R of each */
     uint32_t *row_c;   /* R: index of its group */
     double *row_square; /* R: what a row's squared residual counts for in sum w r^2; 1 unless the norm is not l2 */
 
-    double scale_a, scale_w, value_scale;
+    double scale_a[FIXED_MOST], scale_w, value_scale;
     double *channel_scale; /* K: what values are divided by inside, before value_scale */
     size_t used;       /* samples reduced; distance of two channels of row_value */
     size_t counted;    /* samples that the result says were used: the same, unless they came as sums */
     size_t skipped[BRDFFIT_SKIP_COUNT];
 
     /* scratch while reducing */
-    double *sample_a, *sample_factor; /* used: factor = root of w times f_r to radiance */
+    size_t room; /* distance of two columns of sample_a */
+    double *sample_a, *sample_factor; /* F x room; used: factor = root of w times f_r to radiance */
+    int diffuse_off; /* whether there are any: */
+    double *off_a; /* F x room: absolute errors of a, but for those of n.l, which all share */
     uint32_t *sample, *order, *merge;
     uint32_t *begin; /* place in `order` where each group begins, and one past the last */
     size_t groups;   /* `distinct` ones with a lobe, then those without */
     double *block;
 };
 
-/* linear + f * stride, f = 0: sum w a b; f = 1 + k: sum w max(I_k, 0) b; f = 1 + B + k: sum w max(-I_k, 0) b; k < B */
+/* linear + f * stride, f < F: sum w a b; f = F + k: sum w max(I_k, 0) b; f = F + B + k: sum w max(-I_k, 0) b; k < B */
 
 /* sum w b b' of two geometries by group; of one with itself, its bb. */
 static inline const double *reduced_cross(const struct reduced *r, int g, int h)
@@ -91,7 +96,14 @@ static inline const double *reduced_cross(const struct reduced *r, int g, int h)
     return r->cross[g < h ? h * (h - 1) / 2 + g : g * (g - 1) / 2 + h];
 }
 
-void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels, int geometries);
+/* Most functionals. */
+static inline size_t reduced_functionals(const struct model *model, size_t channels)
+{
+    return (size_t)model->fixed + 2 * channels;
+}
+
+void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels,
+                           const struct model *model);
 
 brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples, const struct model *model,
                               const brdffit_options *options, brdffit_error *error);

@@ -19,10 +19,14 @@ static int same_row(const double *p, const double *q, size_t n)
 static int same_sums(const struct reduced *r, size_t k, size_t l, int negative)
 {
     size_t n = r->stride, K = r->channels;
-    int g, same = r->ai[k] == r->ai[l] && r->ii[k] == r->ii[l];
+    int f, g, same = r->ii[k] == r->ii[l];
+
+    for (f = 0; f < r->fixed && same; f++) {
+        same = r->ai[(size_t)f * K + k] == r->ai[(size_t)f * K + l];
+    }
 
     for (g = 0; g < r->geometries && same; g++) {
-        const double *linear = r->table[g].linear + r->stride;
+        const double *linear = r->table[g].linear + (size_t)r->fixed * r->stride;
 
         same = same_row(linear + k * n, linear + l * n, n) &&
                (!negative || same_row(linear + (K + k) * n, linear + (K + l) * n, n));
@@ -66,8 +70,8 @@ void brdffit_reduce_every_channel(struct reduced *r)
 
 void brdffit_reduce_channels(struct reduced *r)
 {
-    int negative = r->functionals > 1 + r->channels;
-    size_t k, i, K = r->channels;
+    size_t k, i, K = r->channels, F = (size_t)r->fixed;
+    int negative = r->functionals > F + K;
 
     r->bounded = 0;
     for (k = 0; k < K; k++) {
@@ -87,10 +91,10 @@ void brdffit_reduce_channels(struct reduced *r)
     /* Rows move towards the front only, in ascending order. */
     for (i = 0; i < r->bounded; i++) {
         r->bound_root[i] = sqrt(r->bound_root[i]);
-        move_row(r, 1 + r->bound_channel[i], 1 + i, r->bound_root[i]);
+        move_row(r, F + r->bound_channel[i], F + i, r->bound_root[i]);
     }
     for (i = 0; negative && i < r->bounded; i++) {
-        move_row(r, 1 + K + r->bound_channel[i], 1 + r->bounded + i, r->bound_root[i]);
+        move_row(r, F + K + r->bound_channel[i], F + r->bounded + i, r->bound_root[i]);
     }
-    r->functionals = 1 + (negative ? 2 : 1) * r->bounded;
+    r->functionals = F + (negative ? 2 : 1) * r->bounded;
 }

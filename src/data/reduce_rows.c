@@ -2,7 +2,8 @@
  * Rows of the vector form. SPDX-License-Identifier: MIT
  *
  * Samples of one c all have g_i = b_i phi(s, c), so their residual norm is |B (x, Y, -1)| with the n x (2 + K)
- * matrix B = [a b I_1 .. I_K] and Y = sum_p y_p phi(s_p, c) (with several geometries a b and a Y of each). Where n exceeds 2 + K by far, the triangle of B's QR
+ * matrix B = [a b I_1 .. I_K] and Y = sum_p y_p phi(s_p, c) (with several geometries a b and a Y of each, and so with several
+ * a). Where n exceeds 2 + K by far, the triangle of B's QR
  * factorisation gives the same norm for every x and Y in 2 + K rows: a table of a million cells becomes a few
  * hundred rows, backward stably (Householder, REDUCE_BLOCK samples at a time). Rows made this way may be
  * negative; the vector form does not care. Other norms are not invariant under rotation: theirs are the samples.
@@ -18,10 +19,12 @@
 
 static void raw_row(struct reduced *r, const brdffit_samples *samples, uint32_t j, uint32_t group)
 {
-    size_t k, row = r->rows++;
+    size_t k, f, row = r->rows++;
     int g;
 
-    r->row_a[row] = r->sample_a[j];
+    for (f = 0; f < (size_t)r->fixed; f++) {
+        r->row_a[f * r->used + row] = r->sample_a[f * r->room + j];
+    }
     for (g = 0; g < r->geometries; g++) {
         r->table[g].row_b[row] = r->table[g].sample_b[j];
     }
@@ -107,20 +110,22 @@ static void reflect(double *m, size_t rows, size_t width, size_t at)
 /* Columns of B. */
 static size_t row_width(const struct reduced *r)
 {
-    return r->channels + 1 + (size_t)r->geometries;
+    return r->channels + (size_t)(r->fixed + r->geometries);
 }
 
 /* The top `width` rows of r->block hold the triangle so far; append places begin .. end - 1 and triangularise. */
 static void fold(struct reduced *r, const brdffit_samples *samples, size_t begin, size_t end)
 {
-    size_t width = row_width(r), rows = width + (end - begin), place, k;
+    size_t width = row_width(r), rows = width + (end - begin), place, k, f;
     int g;
 
     for (place = begin; place < end; place++) {
         uint32_t j = r->order[place];
         double *row = r->block + (width + place - begin) * width;
 
-        *row++ = r->sample_a[j];
+        for (f = 0; f < (size_t)r->fixed; f++) {
+            *row++ = r->sample_a[f * r->room + j];
+        }
         for (g = 0; g < r->geometries; g++) {
             *row++ = r->table[g].sample_b[j];
         }
@@ -135,7 +140,7 @@ static void fold(struct reduced *r, const brdffit_samples *samples, size_t begin
 
 static void triangle_rows(struct reduced *r, const brdffit_samples *samples, size_t begin, size_t end, uint32_t group)
 {
-    size_t width = row_width(r), place, i, k;
+    size_t width = row_width(r), place, i, k, f;
     int g;
 
     for (i = 0; i < width * width; i++) {
@@ -148,7 +153,9 @@ static void triangle_rows(struct reduced *r, const brdffit_samples *samples, siz
         size_t row = r->rows++;
         const double *from = r->block + i * width;
 
-        r->row_a[row] = *from++;
+        for (f = 0; f < (size_t)r->fixed; f++) {
+            r->row_a[f * r->used + row] = *from++;
+        }
         for (g = 0; g < r->geometries; g++) {
             r->table[g].row_b[row] = *from++;
         }

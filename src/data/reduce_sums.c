@@ -35,7 +35,7 @@ static size_t block_end(size_t begin, size_t end)
     return end - begin > REDUCE_BLOCK ? begin + REDUCE_BLOCK : end;
 }
 
-/* Products of a and b of one geometry. b4 is relative to the largest b: it cannot underflow. */
+/* Products of b of one geometry with itself and with a, the first fixed column. b4 is relative to the largest b: it cannot underflow. */
 struct geometry_sums {
     double aa, bb, b4, ab;
 };
@@ -98,7 +98,7 @@ static double product_sum(const struct reduced *r, const double *u, const double
     return value_of(&s);
 }
 
-/* Products of a channel with a, with itself and with b of one geometry, those above and those below 0. */
+/* Products of a channel with the first a, with itself and with b of one geometry, those above and those below 0. */
 struct channel_sums {
     double ai, ii, positive, negative;
 };
@@ -155,16 +155,22 @@ static double largest_b(const struct reduced *r, const struct table *t, size_t b
     return largest;
 }
 
+static double smallest_c(const struct reduced *r, const struct table *t)
+{
+    double c_min = INFINITY;
+    size_t j;
+
+    for (j = 0; j < r->distinct; j++) {
+        c_min = smaller(c_min, t->sample_c[r->order[r->begin[j]]]);
+    }
+    return isfinite(c_min) ? c_min : 0.0;
+}
+
 /* c of each group; where it has no lobe in this geometry any number will do. Padding: c of the last, no weight. */
 static void fill_c(struct reduced *r, struct table *t)
 {
     size_t j;
 
-    t->c_min = INFINITY;
-    for (j = 0; j < r->distinct; j++) {
-        t->c_min = smaller(t->c_min, t->sample_c[r->order[r->begin[j]]]);
-    }
-    t->c_min = isfinite(t->c_min) ? t->c_min : 0.0;
     for (j = 0; j < r->distinct; j++) {
         double c = t->sample_c[r->order[r->begin[j]]];
 
@@ -173,6 +179,18 @@ static void fill_c(struct reduced *r, struct table *t)
     for (; j < r->stride; j++) {
         t->c[j] = j ? t->c[j - 1] : 0.0;
     }
+}
+
+/* Smallest c - c_min that a lobe of this geometry sees: of second columns it may be above 0. */
+static double lowest_c(const struct reduced *r, const struct table *t)
+{
+    double low = INFINITY;
+    size_t j;
+
+    for (j = 0; j < r->distinct; j++) {
+        low = isfinite(t->sample_c[r->order[r->begin[j]]]) ? smaller(low, t->c[j]) : low;
+    }
+    return isfinite(low) ? low : 0.0;
 }
 
 static void clear(double *v, size_t n)
@@ -192,10 +210,13 @@ void brdffit_reduce_groups(struct reduced *r)
     for (g = 0; g < r->geometries; g++) {
         struct table *t = &r->table[g];
 
+        /* Columns of one lobe have one phi. */
+        t->c_min = g < r->bases ? smallest_c(r, t) : r->table[g - r->bases].c_min;
         fill_c(r, t);
+        t->c_low = g < r->bases ? 0.0 : lowest_c(r, t);
         clear(t->bb, r->stride);
         clear(t->concentration, r->stride);
-        clear(t->linear, r->stride * (1 + 2 * r->channels));
+        clear(t->linear, r->stride * ((size_t)r->fixed + 2 * r->channels));
         for (h = 0; h < g; h++) {
             clear(r->cross[g * (g - 1) / 2 + h], r->stride);
         }
@@ -207,7 +228,7 @@ void brdffit_reduce_groups(struct reduced *r)
 static double sum_group(struct reduced *r, size_t j)
 {
     struct geometry_sums s = {0.0, 0.0, 0.0, 0.0};
-    size_t begin = r->begin[j], end = r->begin[j + 1];
+    size_t begin = r->begin[j], end = r->begin[j + 1], f;
     int g, h;
 
     for (g = 0; g < r->geometries; g++) {
@@ -222,6 +243,9 @@ static double sum_group(struct reduced *r, size_t j)
             t->bb[j] = bb;
             t->concentration[j] = s.b4 / (relative * relative);
             t->linear[j] = s.ab;
+            for (f = 1; f < (size_t)r->fixed; f++) {
+                t->linear[f * r->stride + j] = product_sum(r, r->sample_a + f * r->room, t->sample_b, begin, end);
+            }
         }
         for (h = 0; h < g && j < r->distinct; h++) {
             r->cross[g * (g - 1) / 2 + h][j] = product_sum(r, t->sample_b, r->table[h].sample_b, begin, end);
@@ -230,22 +254,41 @@ static double sum_group(struct reduced *r, size_t j)
     return s.aa;
 }
 
-static double sum_geometry(struct reduced *r)
+static void sum_geometry(struct reduced *r)
 {
     struct sum aa = {0.0, 0.0};
-    size_t j;
+    size_t j, f, g;
 
     for (j = 0; j < r->groups; j++) {
         add(&aa, sum_group(r, j));
     }
-    return value_of(&aa);
+    r->aa[0][0] = value_of(&aa);
+    for (f = 1; f < (size_t)r->fixed; f++) {
+        for (g = 0; g <= f; g++) {
+            r->aa[f][g] = r->aa[g][f] = product_sum(r, r->sample_a + f * r->room, r->sample_a + g * r->room, 0,
+                                                    r->used);
+        }
+    }
+}
+
+/* sum w a I of fixed column f and channel k. */
+static double sum_along(const struct reduced *r, const brdffit_samples *samples, size_t f, size_t k)
+{
+    const double *a = r->sample_a + f * r->room;
+    struct sum s = {0.0, 0.0};
+    size_t place;
+
+    for (place = 0; place < r->used; place++) {
+        add(&s, a[r->order[place]] * brdffit_reduce_value(r, samples, r->order[place], k));
+    }
+    return value_of(&s);
 }
 
 static int sum_channel(struct reduced *r, const brdffit_samples *samples, size_t k)
 {
     struct sum ai = {0.0, 0.0}, ii = {0.0, 0.0};
+    size_t j, f, F = (size_t)r->fixed;
     int any_negative = 0, g;
-    size_t j;
 
     for (j = 0; j < r->groups; j++) {
         for (g = 0; g < r->geometries; g++) {
@@ -259,13 +302,16 @@ static int sum_channel(struct reduced *r, const brdffit_samples *samples, size_t
             if (j < r->distinct) {
                 double below = s.negative;
 
-                t->linear[(1 + k) * r->stride + j] = s.positive;
-                t->linear[(1 + r->channels + k) * r->stride + j] = below;
+                t->linear[(F + k) * r->stride + j] = s.positive;
+                t->linear[(F + r->channels + k) * r->stride + j] = below;
                 any_negative = any_negative || below > 0.0;
             }
         }
     }
     r->ai[k] = value_of(&ai);
+    for (f = 1; f < F; f++) {
+        r->ai[f * r->channels + k] = sum_along(r, samples, f, k);
+    }
     r->ii[k] = value_of(&ii);
     return any_negative;
 }
@@ -278,7 +324,7 @@ void brdffit_reduce_sums(struct reduced *r, const brdffit_samples *samples)
 
     brdffit_reduce_group(r);
     brdffit_reduce_groups(r);
-    r->aa = sum_geometry(r);
+    sum_geometry(r);
     r->total = 0.0;
     for (k = 0; k < r->channels; k++) {
         any_negative = sum_channel(r, samples, k) || any_negative;
@@ -288,5 +334,5 @@ void brdffit_reduce_sums(struct reduced *r, const brdffit_samples *samples)
         add(&weight, samples->weights ? samples->weights[r->sample[j]] / r->scale_w : 1.0);
     }
     r->weight_sum = value_of(&weight);
-    r->functionals = any_negative ? 1 + 2 * r->channels : 1 + r->channels;
+    r->functionals = (size_t)r->fixed + (any_negative ? 2 : 1) * r->channels;
 }

@@ -72,6 +72,21 @@ static void snap_table(struct reduced *r, int g, double s_end)
     }
 }
 
+/* Second columns have the c of the first ones, changes and all. */
+static void follow(const struct reduced *r, const struct table *first, struct table *t)
+{
+    size_t j;
+
+    t->snapped = first->snapped;
+    t->charge.joined = first->charge.joined;
+    for (j = 0; j < r->used; j++) {
+        if (t->sample_b[j] > 0.0) {
+            t->sample_c[j] = first->sample_c[j];
+            t->charge.c[j] = first->charge.c[j];
+        }
+    }
+}
+
 /*
  * Half-vector angles within TOL_ANGLE are one angle: mirror images of a direction differ in the last bits, and their
  * sums merge once they have one c; not where lobes of s <= s_end could tell them apart. The change is one more error of
@@ -81,11 +96,14 @@ void brdffit_reduce_snap(struct reduced *r, const double *s_end)
 {
     int g;
 
-    for (g = 0; g < r->geometries; g++) {
+    for (g = 0; g < r->bases; g++) {
         if (g > 0) {
             brdffit_reduce_sort(r);
         }
         snap_table(r, g, s_end[g]);
+    }
+    for (; g < r->geometries; g++) {
+        follow(r, &r->table[g - r->bases], &r->table[g]);
     }
     if (r->geometries > 1) {
         brdffit_reduce_sort(r);

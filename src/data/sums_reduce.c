@@ -74,7 +74,7 @@ static brdffit_status choose_scales(const struct brdffit_sums *s, const brdffit_
     }
     r->scale_w = s->largest_weight == 1.0 ? 1.0 : power_of_two(s->largest_weight);
     root = sqrt(r->scale_w);
-    r->scale_a = power_of_two(root_largest(s, SUMS_AA) / root);
+    r->scale_a[0] = power_of_two(root_largest(s, SUMS_AA) / root);
     r->table[0].scale_b = power_of_two(root_largest(s, SUMS_BB) / root);
     status = brdffit_reduce_channel_scales(r, options, error);
     if (status == BRDFFIT_OK) {
@@ -221,7 +221,7 @@ static void add_rows(struct reduced *r, const struct sums_pair *sum, size_t j, c
             double q[2], bi = scaled(r, sum, k, SUMS_POSITIVE, r->table[0].scale_b) -
                               scaled(r, sum, k, SUMS_NEGATIVE, r->table[0].scale_b);
 
-            fine = factor_channel(&g, scaled(r, sum, k, SUMS_AI, r->scale_a), bi,
+            fine = factor_channel(&g, scaled(r, sum, k, SUMS_AI, r->scale_a[0]), bi,
                                   scaled(r, sum, k, SUMS_II, 1.0) * grown, q, &left);
         }
     }
@@ -234,8 +234,8 @@ static void add_rows(struct reduced *r, const struct sums_pair *sum, size_t j, c
         double q[2], bi = scaled(r, sum, k, SUMS_POSITIVE, r->table[0].scale_b) -
                           scaled(r, sum, k, SUMS_NEGATIVE, r->table[0].scale_b);
 
-        (void)factor_channel(&g, scaled(r, sum, k, SUMS_AI, r->scale_a), bi, scaled(r, sum, k, SUMS_II, 1.0) * grown, q,
-                             &left);
+        (void)factor_channel(&g, scaled(r, sum, k, SUMS_AI, r->scale_a[0]), bi, scaled(r, sum, k, SUMS_II, 1.0) * grown,
+                             q, &left);
         r->row_value[k * r->used + row] = q[0];
         r->row_value[k * r->used + row + 1] = q[1];
         sums_add(&rest[k], fmax(0.0, left));
@@ -251,14 +251,14 @@ static void add_group(struct reduced *r, const struct sums_pair *sum, size_t j, 
     struct gram gram;
     size_t k;
 
-    gram.aa = sums_value(sum + SUMS_AA) / r->scale_w / r->scale_a / r->scale_a;
-    gram.ab = sums_value(sum + SUMS_AB) / r->scale_w / r->scale_a / r->table[0].scale_b;
+    gram.aa = sums_value(sum + SUMS_AA) / r->scale_w / r->scale_a[0] / r->scale_a[0];
+    gram.ab = sums_value(sum + SUMS_AB) / r->scale_w / r->scale_a[0] / r->table[0].scale_b;
     gram.bb = sums_value(sum + SUMS_BB) / r->scale_w / r->table[0].scale_b / r->table[0].scale_b;
     *negative = add_sums(r, sum, j, &gram) || *negative;
     add_rows(r, sum, j, &gram, rest);
-    r->aa += gram.aa;
+    r->aa[0][0] += gram.aa;
     for (k = 0; k < r->channels; k++) {
-        r->ai[k] += scaled(r, sum, k, SUMS_AI, r->scale_a);
+        r->ai[k] += scaled(r, sum, k, SUMS_AI, r->scale_a[0]);
         r->ii[k] += scaled(r, sum, k, SUMS_II, 1.0);
     }
 }
@@ -298,7 +298,7 @@ brdffit_status brdffit_sums_reduce(const struct brdffit_sums *s, const brdffit_o
     brdffit_reduce_ends(&model, options, s_end);
     order_groups(s, r, s_end[0]);
     r->rows = 0;
-    r->aa = r->total = 0.0;
+    r->aa[0][0] = r->total = 0.0;
     for (k = 0; k < r->channels; k++) {
         r->ai[k] = r->ii[k] = 0.0;
         rest[k].high = rest[k].low = 0.0;

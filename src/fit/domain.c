@@ -130,19 +130,40 @@ static int any_lobe(const struct view *v)
     return j < v->fit->data.distinct;
 }
 
-static void prepare_kind(const struct view *v, const brdffit_options *o, struct domain *d)
+/* One kind of column narrows the domain of its axis: where y is finite, and `tail`, from where nothing changes. */
+static void look_at(const struct view *v, struct domain *d, double *tail)
 {
-    double tail;
-
-    asked_range(v->kind, o, d);
     if (!any_lobe(v)) {
         return;
     }
-    tail = v->kind->tail(v->table->c, v->table->bb, v->fit->data.distinct, v->table->c_min);
-    d->flat = largest_finite(v, d->low, d->tail);
-    if (d->flat < d->low) {
-        drop_lobes(v); /* and d->flat stays below: there is no lobe */
-    } else if (tail > 0.0) {
+    *tail = fmax(*tail, v->kind->tail(v->table->c, v->table->bb, v->fit->data.distinct, v->table->c_min));
+    d->flat = fmin(d->flat, largest_finite(v, d->low, d->tail));
+}
+
+static struct view view_of(struct fit *f, int kind)
+{
+    const struct view v = {f, kind, f->model.kind[kind], &f->data.table[f->model.geometry[kind]]};
+
+    return v;
+}
+
+static void prepare_axis(struct fit *f, int axis, const brdffit_options *o, struct domain *d)
+{
+    double tail = 0.0;
+    int kind;
+
+    asked_range(f->model.kind[axis], o, d);
+    for (kind = axis; kind < f->model.kinds; kind += f->model.axes) {
+        const struct view v = view_of(f, kind);
+
+        look_at(&v, d, &tail);
+    }
+    for (kind = axis; kind < f->model.kinds && d->flat < d->low; kind += f->model.axes) {
+        const struct view v = view_of(f, kind);
+
+        drop_lobes(&v); /* and d->flat stays below: there is no lobe */
+    }
+    if (d->flat >= d->low && tail > 0.0) {
         double end = d->flat < d->tail ? brdffit_fit_outwards(d->flat, 1.0) : d->tail;
 
         d->high = fmax(d->low, fmin(end, isfinite(tail) ? kernel_log(tail) : INFINITY));
@@ -157,10 +178,8 @@ void brdffit_fit_prepare(struct fit *f, const brdffit_options *o)
     f->varpro.kernels = brdffit_kernels(o->isa);
     f->varpro.data = &f->data;
     f->triangle_error = o->norm == BRDFFIT_NORM_L2 && f->rows_error == 0.0 ? brdffit_fit_triangle_error(&f->data) : 0.0;
-    for (kind = 0; kind < f->model.kinds; kind++) {
-        const struct view v = {f, kind, f->model.kind[kind], &f->data.table[f->model.geometry[kind]]};
-
-        prepare_kind(&v, o, &f->domain[kind]);
+    for (kind = 0; kind < f->model.axes; kind++) {
+        prepare_axis(f, kind, o, &f->domain[kind]);
     }
     for (p = 0; p < f->model.sides; p++) {
         f->varpro.theta_low[p] = fit_domain(f, p)->low;

@@ -57,11 +57,14 @@ static double start_moment(void *self, struct point *met)
 
 static void forget_moment(void *self, int kind, uint32_t node, uint32_t interval)
 {
-    struct bound_moment *moment = &((struct fit *)self)->moment;
+    struct fit *f = self;
+    struct bound_moment *moment = &f->moment;
 
-    brdffit_moments_forget(&moment->moments, kind, node);
-    brdffit_interval_forget(&moment->intervals[kind], interval);
-    brdffit_interval_forget(&moment->intervals[kind], interval + 1);
+    for (; kind < f->model.kinds; kind += f->model.axes) {
+        brdffit_moments_forget(&moment->moments, kind, node);
+        brdffit_interval_forget(&moment->intervals[kind], interval);
+        brdffit_interval_forget(&moment->intervals[kind], interval + 1);
+    }
 }
 
 static double bound_socp(void *self, struct box *box, struct point *met)

@@ -6,6 +6,7 @@
 #include "model/lobe.h"
 #include "fit/fit.h"
 #include "base/error.h"
+#include "model/diffuse.h"
 #include "model/geometry.h"
 
 /* The distribution of lobe p. */
@@ -28,6 +29,12 @@ static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
         if (!((unsigned)distribution_of(m, p) < BRDFFIT_DISTRIBUTION_COUNT)) {
             return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown distribution");
         }
+    }
+    if (!((unsigned)m->fresnel < BRDFFIT_FRESNEL_COUNT && (unsigned)m->diffuse < BRDFFIT_DIFFUSE_COUNT)) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown Fresnel or diffuse term");
+    }
+    if ((m->fresnel != BRDFFIT_FRESNEL_NONE && !m->f0) || (brdffit_diffuse_columns(m->diffuse) > 1 && !m->x_more)) {
+        return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: without F0, or coefficients of the diffuse term");
     }
     for (p = 0; p < m->lobes; p++) {
         double s = 1.0 / (m->sigma[p] * m->sigma[p]);
@@ -60,16 +67,25 @@ static void eval_one(const brdffit_model *m, const struct twofold *s, const stru
                      double divisor, double *out)
 {
     struct wide lobe[BRDFFIT_MAX_LOBES];
-    size_t k, lobes = (size_t)m->lobes, p;
+    size_t k, lobes = (size_t)m->lobes, p, f, columns = (size_t)brdffit_diffuse_columns(m->diffuse);
+    double fixed[FIXED_MOST], error[FIXED_MOST], w = 1.0;
 
     for (p = 0; p < lobes; p++) {
         lobe[p] = lobe_at(m, (int)p, s[p], g, coefficients);
     }
+    brdffit_diffuse_row(m->diffuse, g, fixed, error);
+    w = m->fresnel == BRDFFIT_FRESNEL_SCHLICK ? schlick_weight(&g->angles) : 1.0;
     for (k = 0; k < m->channels; k++) {
-        double value = g->a * m->x[k];
+        double value = fixed[0] * m->x[k];
 
+        for (f = 1; f < columns; f++) {
+            value += fixed[f] * m->x_more[k * (columns - 1) + f - 1];
+        }
         for (p = 0; p < lobes; p++) {
-            value += wide_value(wide_times(wide_of(m->y[k * lobes + p]), lobe[p]));
+            double f0 = m->fresnel == BRDFFIT_FRESNEL_SCHLICK ? m->f0[k * lobes + p] : 1.0;
+
+            value += wide_value(
+                wide_times(wide_times(wide_of(m->y[k * lobes + p]), wide_of(f0 + (1.0 - f0) * w)), lobe[p]));
         }
         out[k] = value / divisor;
     }
@@ -89,6 +105,10 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
     }
     if (status != BRDFFIT_OK) {
         return status;
+    }
+    if (at->form == BRDFFIT_FORM_COEFFICIENTS && (model->fresnel || model->diffuse)) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
+                            "samples given as a, b, c have no angles for Fresnel and diffuse terms");
     }
     if (!out && at->count) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "out is NULL");

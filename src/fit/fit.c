@@ -71,7 +71,7 @@ static void charge_domain(struct fit *f, const brdffit_options *o)
     int kind;
 
     for (kind = 0; kind < f->model.kinds; kind++) {
-        const struct domain *d = &f->domain[kind];
+        const struct domain *d = &f->domain[model_axis(&f->model, kind)];
         const double theta[3] = {d->low, d->high, d->flat};
 
         brdffit_charge_domain(&f->data, &f->model, kind, f->varpro.kernels, theta, fine, f->varpro.phi);
@@ -88,7 +88,7 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
     rules->cancelled = report_reduced(f, o);
     brdffit_fit_prepare(f, o);
     charge_domain(f, o);
-    for (kind = 0; kind < f->model.kinds; kind++) {
+    for (kind = 0; kind < f->model.axes; kind++) {
         const struct domain *d = &f->domain[kind];
         int point = d->high <= brdffit_fit_outwards(d->low, 4.0); /* one roughness, and what rounding may make of it */
 
@@ -126,6 +126,10 @@ static brdffit_status check_call(const brdffit_samples *samples, const brdffit_o
     }
     if (status != BRDFFIT_OK) {
         return status;
+    }
+    if (samples->form == BRDFFIT_FORM_COEFFICIENTS && brdffit_options_special(options)) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
+                            "samples given as a, b, c have no angles for Fresnel and diffuse terms");
     }
     if (!workspace || !result) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "workspace or result is NULL");

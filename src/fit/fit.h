@@ -48,7 +48,7 @@ struct handout {
 struct fit {
     struct model model;
     struct reduced data;
-    struct axis axis[KINDS_MOST];
+    struct axis axis[BRDFFIT_MAX_LOBES];
     struct heap heap;
     struct bound_moment moment; /* only the engine in use is laid out */
     struct bound_socp socp;
@@ -56,10 +56,12 @@ struct fit {
     struct l1_linf restricted; /* norms l1 and linf only */
     struct varpro varpro;
     brdffit_norm norm;
-    struct domain domain[KINDS_MOST];
+    struct domain domain[BRDFFIT_MAX_LOBES]; /* one an axis */
     struct handout *handout;
     struct lobe_kind vanished[KINDS_MOST]; /* in the model's place of kinds of which no lobe has a finite y */
     double *x, *y, *rms; /* K, K x P, K: the result's arrays */
+    double *f0, *x_more; /* K x P, K x (F - 1): likewise, where the model has them */
+    double *z;           /* K x columns: published coefficients, one a column */
     double rows_error; /* how far E^2 of the rows may be from that of the samples, relative to the total: 0, but of
                               sums */
     double triangle_error; /* brdffit_fit_triangle_error() */
@@ -76,6 +78,13 @@ static inline const struct domain *fit_domain(const struct fit *f, int lobe)
 
 /* Every field in its range. The options are whole, as brdffit_intake_options() makes them; so are all that follow. */
 brdffit_status brdffit_options_check(const brdffit_options *options, brdffit_error *error);
+
+/* Whether the model needs more of a sample than a, b and c: Fresnel, masking, or a diffuse term that are not the defaults. */
+static inline int brdffit_options_special(const brdffit_options *o)
+{
+    return o->fresnel != BRDFFIT_FRESNEL_NONE || o->diffuse != BRDFFIT_DIFFUSE_LAMBERT ||
+           o->masking != BRDFFIT_MASKING_V_CAVITY;
+}
 
 /* Lay a fit out in an arena (counting or real). */
 void brdffit_fit_layout(struct fit *fit, struct arena *arena, size_t count, size_t channels,

@@ -61,6 +61,21 @@ static brdffit_status check_choices(const brdffit_options *o, brdffit_error *err
     if (!((unsigned)o->norm < BRDFFIT_NORM_COUNT)) {
         return bad(error, "unknown norm", (double)o->norm);
     }
+    if (!((unsigned)o->fresnel < BRDFFIT_FRESNEL_COUNT)) {
+        return bad(error, "unknown Fresnel term", (double)o->fresnel);
+    }
+    if (!((unsigned)o->diffuse < BRDFFIT_DIFFUSE_COUNT)) {
+        return bad(error, "unknown diffuse term", (double)o->diffuse);
+    }
+    if (!((unsigned)o->masking < BRDFFIT_MASKING_COUNT)) {
+        return bad(error, "unknown masking", (double)o->masking);
+    }
+    if (o->masking != BRDFFIT_MASKING_V_CAVITY) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "masking other than by v-cavities is not there yet");
+    }
+    if (brdffit_diffuse_columns(o->diffuse) + o->lobes * (o->fresnel ? 2 : 1) > COLUMNS_MOST) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "lobes, Fresnel and diffuse terms: more than 7 columns");
+    }
     if (o->normalise != BRDFFIT_NORMALISE_MAX && o->normalise != BRDFFIT_NORMALISE_NONE) {
         return bad(error, "unknown channel normalisation", (double)o->normalise);
     }
@@ -138,7 +153,7 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
     int kind;
 
     brdffit_model_make(&f->model, o);
-    brdffit_reduce_layout(&f->data, arena, count, channels, f->model.geometries);
+    brdffit_reduce_layout(&f->data, arena, count, channels, &f->model);
     if (arena->failed) {
         return;
     }
@@ -147,8 +162,12 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
     f->x = ARENA_DOUBLES(arena, channels);
     f->y = brdffit_arena_take(arena, channels, (size_t)o->lobes * sizeof(double));
     f->rms = ARENA_DOUBLES(arena, channels);
+    f->z = brdffit_arena_take(arena, channels, (size_t)f->model.columns * sizeof(double));
+    f->f0 = f->model.each > 1 ? brdffit_arena_take(arena, channels, (size_t)o->lobes * sizeof(double)) : NULL;
+    f->x_more = f->model.fixed > 1 ? brdffit_arena_take(arena, channels, (size_t)(f->model.fixed - 1) * sizeof(double))
+                                   : NULL;
     brdffit_varpro_layout(&f->varpro, arena, count, channels, &f->model);
-    for (kind = 0; kind < f->model.kinds; kind++) {
+    for (kind = 0; kind < f->model.axes; kind++) {
         brdffit_axis_layout(&f->axis[kind], arena, nodes);
         brdffit_axis_reserve(&f->axis[kind], LIMIT_HALVINGS * (uint32_t)o->lobes);
     }

@@ -29,23 +29,29 @@
 #include "data/reduce_parts.h"
 #include "data/sums.h"
 
-/* Each lobe's s, and what y is divided by in internal units. */
+/* Each lobe's s, what coefficients are divided by in internal units, and what is known of the lobes' columns. */
 struct scales {
     struct twofold s[BRDFFIT_MAX_LOBES];
-    struct wide factor[BRDFFIT_MAX_LOBES];
-    double norm[BRDFFIT_MAX_LOBES], error[BRDFFIT_MAX_LOBES]; /* of columns, norm l2 only */
+    struct wide factor[COLUMNS_MOST];
+    double norm[MOVING_MOST], error[MOVING_MOST]; /* norm l2 only */
 };
 
 static void open_scales(const struct fit *f, const double *sigma, struct scales *v)
 {
-    int p;
+    int c, p, F = f->model.fixed;
 
     for (p = 0; p < f->model.lobes; p++) {
-        const struct table *t = varpro_table(&f->varpro, p);
-
         v->s[p] = twofold_inverse_square(sigma[p]);
-        v->factor[p] = brdffit_lobe_factor(model_kind(&f->model, p), v->s[p], t->c_min);
-        v->factor[p] = wide_times(v->factor[p], wide_of(t->scale_b));
+    }
+    for (c = 0; c < F; c++) {
+        v->factor[c] = wide_of(f->data.scale_a[c]);
+    }
+    for (c = 0; c < varpro_moving(&f->varpro); c++) {
+        const struct table *t = varpro_table(&f->varpro, c);
+
+        p = model_lobe_of(&f->model, c);
+        v->factor[F + c] = brdffit_lobe_factor(model_kind(&f->model, p), v->s[p], t->c_min);
+        v->factor[F + c] = wide_times(v->factor[F + c], wide_of(t->scale_b));
     }
 }
 
@@ -75,14 +81,40 @@ static double in_internal_units(const struct fit *f, double coefficient, size_t 
     return wide_value(wide_over(wide_times(wide_of(coefficient), factor), unit_of(f, k)));
 }
 
+/* y and F0 of a lobe from its two coefficients, as a caller puts them together again: y F0 and y (1 - F0). */
+static void split_fresnel(double *z, double *y, double *f0)
+{
+    double sum = z[0] + z[1];
+
+    sum = fmin(sum, DBL_MAX);
+    *y = sum;
+    *f0 = sum > 0.0 ? fmin(1.0, z[0] / sum) : 0.0;
+    z[0] = *y * *f0;
+    z[1] = *y * (1.0 - *f0);
+}
+
+/* The model in the data's units, and f->z: the coefficient of each column that it stands for. */
 static void coefficients(struct fit *f, const struct scales *v)
 {
-    size_t k, lobes = (size_t)f->model.lobes, p;
+    size_t k, lobes = (size_t)f->model.lobes, n = (size_t)f->model.columns, F = (size_t)f->model.fixed, p, c;
 
     for (k = 0; k < f->data.channels; k++) {
-        f->x[k] = in_data_units(f, &f->varpro.answer[k], k, 0, wide_of(f->data.scale_a));
+        double *z = f->z + k * n;
+
+        for (c = 0; c < n; c++) {
+            z[c] = in_data_units(f, &f->varpro.answer[k], k, (int)c, v->factor[c]);
+        }
+        f->x[k] = z[0];
+        for (c = 1; c < F; c++) {
+            f->x_more[k * (F - 1) + c - 1] = z[c];
+        }
         for (p = 0; p < lobes; p++) {
-            f->y[k * lobes + p] = in_data_units(f, &f->varpro.answer[k], k, f->model.lobe[p].column, v->factor[p]);
+            double *own = z + f->model.lobe[p].column;
+
+            f->y[k * lobes + p] = own[0];
+            if (f->f0) {
+                split_fresnel(own, &f->y[k * lobes + p], &f->f0[k * lobes + p]);
+            }
         }
     }
 }
@@ -102,35 +134,43 @@ static void add_row(const struct fit *f, size_t r, double residual, double round
     sums->largest_error = fmax(sums->largest_error, rounding);
 }
 
-/* How far the shape of lobe p at a row may be off, but for TOL_PUBLISHED, relative to it. */
-static double shape_error(const struct fit *f, const struct scales *v, int p, size_t r)
+/* How far the shape of column c of the lobes at a row may be off, but for TOL_PUBLISHED, relative to it. */
+static double shape_error(const struct fit *f, const struct scales *v, int c, size_t r)
 {
-    const struct table *t = varpro_table(&f->varpro, p);
-    double exponent = t->c[f->data.row_c[r]] *
-                      v->s[p].high; /* -d ln phi / d ln s, of which no other kind has more than 2 */
+    const struct table *t = varpro_table(&f->varpro, c);
+    double exponent =
+        t->c[f->data.row_c[r]] *
+        v->s[model_lobe_of(&f->model, c)].high; /* -d ln phi / d ln s, of which no other kind has more than 2 */
 
-    exponent = model_kind(&f->model, p)->exponential ? fmin(1e30, exponent) : fmin(2.0, 2.0 * exponent);
+    exponent = model_column_kind(&f->model, c)->exponential ? fmin(1e30, exponent) : fmin(2.0, 2.0 * exponent);
     return (TOL_PUBLISHED_EXPONENT * TOL_UNIT + t->snapped) * exponent;
 }
 
-/* Residuals of channel k at internal coefficients x and y, in units of `scale`: norms l1 and linf. */
-static struct channel_sums residuals(const struct fit *f, const struct scales *v, size_t k, double x, const double *y,
+/* A fixed column of the rows. */
+static const double *fixed_column(const struct fit *f, int c)
+{
+    return f->data.row_a + (size_t)c * f->data.used;
+}
+
+/* Residuals of channel k at internal coefficients z, in units of `scale`: norms l1 and linf. */
+static struct channel_sums residuals(const struct fit *f, const struct scales *v, size_t k, const double *z,
                                      double scale)
 {
     const struct reduced *data = &f->data;
     const double *value = data->row_value + k * data->used;
     struct channel_sums sums = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, 0.0, 0.0};
+    int c, F = f->model.fixed;
     size_t r;
-    int p;
 
     for (r = 0; r < data->rows; r++) {
-        double part = data->row_a[r] * x, residual = value[r] - part, size = fabs(value[r]) + fabs(part), steep = 0.0;
+        double residual = value[r], size = fabs(value[r]), steep = 0.0;
 
-        for (p = 0; p < f->model.lobes; p++) {
-            part = y[p] * f->varpro.column[p][r];
+        for (c = 0; c < f->model.columns; c++) {
+            double part = z[c] * (c < F ? fixed_column(f, c)[r] : f->varpro.column[c - F][r]);
+
             residual -= part;
             size += fabs(part);
-            steep += part != 0.0 ? fabs(part) * shape_error(f, v, p, r) : 0.0;
+            steep += c >= F && part != 0.0 ? fabs(part) * shape_error(f, v, c - F, r) : 0.0;
         }
         add_row(f, r, residual / scale, (TOL_PUBLISHED * TOL_UNIT * size + steep) / scale, &sums);
     }
@@ -138,14 +178,14 @@ static struct channel_sums residuals(const struct fit *f, const struct scales *v
 }
 
 /*
- * What sums over the groups say of the column of lobe p: its norm and how far it may be off by its exponents, both l2, and
+ * What sums over the groups say of column p of the lobes: its norm and how far it may be off by its exponents, both l2, and
  * N_eff = (sum g^2)^2 / sum g^4 over samples.
  */
 static double measure_column(const struct fit *f, struct scales *v, int p)
 {
     const struct table *t = varpro_table(&f->varpro, p);
-    int exponential = model_kind(&f->model, p)->exponential;
-    double h = 0.0, off = 0.0, fourth = 0.0, s = v->s[p].high;
+    int exponential = model_column_kind(&f->model, p)->exponential;
+    double h = 0.0, off = 0.0, fourth = 0.0, s = v->s[model_lobe_of(&f->model, p)].high;
     size_t j;
 
     for (j = 0; j < f->data.distinct; j++) {
@@ -166,21 +206,24 @@ static double measure_column(const struct fit *f, struct scales *v, int p)
     return fourth > 0.0 ? 1.0 / fourth : 0.0;
 }
 
-/* Columns b phi of each lobe, into varpro's. */
+/* Columns b phi of each lobe, into varpro's. A lobe rests on what its first column does. */
 static void columns(struct fit *f, struct scales *v, struct published *out)
 {
     size_t r;
-    int p;
+    int c;
 
-    for (p = 0; p < f->model.lobes; p++) {
-        const struct lobe_kind *kind = model_kind(&f->model, p);
-        const struct table *t = varpro_table(&f->varpro, p);
+    for (c = 0; c < varpro_moving(&f->varpro); c++) {
+        const struct lobe_kind *kind = model_column_kind(&f->model, c);
+        const struct table *t = varpro_table(&f->varpro, c);
+        int p = model_lobe_of(&f->model, c);
+        double effective;
 
         kind->shape(f->varpro.kernels, t->c, f->data.stride, kind->argument(t->c_min, v->s[p].high), f->varpro.phi);
         for (r = 0; r < f->data.rows; r++) {
-            f->varpro.column[p][r] = t->row_b[r] * f->varpro.phi[f->data.row_c[r]];
+            f->varpro.column[c][r] = t->row_b[r] * f->varpro.phi[f->data.row_c[r]];
         }
-        out->effective[p] = measure_column(f, v, p);
+        effective = measure_column(f, v, c);
+        out->effective[p] = c % f->model.each == 0 ? effective : out->effective[p];
     }
 }
 
@@ -188,22 +231,25 @@ static void columns(struct fit *f, struct scales *v, struct published *out)
  * The same of norm l2 in lanes, with the error of a whole channel from norms: |d| <= the sum of the norms of its parts.
  * Sums of squares in lanes are within (rows / 8 + 16) u.
  */
-static struct channel_sums residuals_l2(const struct fit *f, const struct scales *v, size_t k, double x,
-                                        const double *y, double scale)
+static struct channel_sums residuals_l2(const struct fit *f, const struct scales *v, size_t k, const double *z,
+                                        double scale)
 {
     const struct varpro *w = &f->varpro;
     const struct kernels *kernels = w->kernels;
     size_t n = f->data.rows;
-    double size = sqrt(f->data.ii[k]) + fabs(x) * sqrt(f->data.aa), steep = 0.0, sum, error;
+    double size = sqrt(f->data.ii[k]), steep = 0.0, sum, error;
     struct channel_sums sums = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, 0.0, 0.0};
-    int p;
+    int c, F = f->model.fixed;
 
     kernels->scale(w->residual, f->data.row_value + k * f->data.used, 1.0 / scale, n);
-    kernels->subtract(w->residual, f->data.row_a, x, 1.0 / scale, n);
-    for (p = 0; p < f->model.lobes; p++) {
-        kernels->subtract(w->residual, w->column[p], y[p], 1.0 / scale, n);
-        size += y[p] * v->norm[p];
-        steep += y[p] > 0.0 ? y[p] * v->error[p] : 0.0;
+    for (c = 0; c < F; c++) {
+        kernels->subtract(w->residual, fixed_column(f, c), z[c], 1.0 / scale, n);
+        size += z[c] * sqrt(f->data.aa[c][c]);
+    }
+    for (; c < f->model.columns; c++) {
+        kernels->subtract(w->residual, w->column[c - F], z[c], 1.0 / scale, n);
+        size += z[c] * v->norm[c - F];
+        steep += z[c] > 0.0 ? z[c] * v->error[c - F] : 0.0;
     }
     sum = kernels->dot(w->residual, w->residual, n);
     error = (TOL_PUBLISHED * TOL_UNIT * size + steep) / scale * (1.0 + TOL_CURVATURE) +
@@ -235,7 +281,7 @@ static void add_channel(const struct fit *f, const struct channel_sums *sums, do
 
 double brdffit_fit_triangle_error(const struct reduced *r)
 {
-    size_t g, largest = 0, width = r->channels + 1 + (size_t)r->geometries;
+    size_t g, largest = 0, width = r->channels + (size_t)(r->fixed + r->geometries);
 
     if (r->rows >= r->used) {
         return 0.0;
@@ -261,27 +307,27 @@ struct published brdffit_fit_publish(struct fit *f, const double *sigma)
 {
     struct published out = {.objective = 0.0};
     double theta[BRDFFIT_MAX_LOBES];
-    size_t k, lobes = (size_t)f->model.lobes, p;
+    size_t k, n = (size_t)f->model.columns, c;
     struct scales v;
+    int p;
 
     open_scales(f, sigma, &v);
     coefficients(f, &v);
     columns(f, &v, &out);
     for (k = 0; k < f->data.channels; k++) {
-        double scale = f->varpro.answer[k].data_scale, y[BRDFFIT_MAX_LOBES];
-        double x = in_internal_units(f, f->x[k], k, wide_of(f->data.scale_a));
+        double scale = f->varpro.answer[k].data_scale, z[COLUMNS_MOST];
         struct channel_sums sums;
 
-        for (p = 0; p < lobes; p++) {
-            y[p] = in_internal_units(f, f->y[k * lobes + p], k, v.factor[p]);
+        for (c = 0; c < n; c++) {
+            z[c] = in_internal_units(f, f->z[k * n + c], k, v.factor[c]);
         }
-        sums = f->norm == BRDFFIT_NORM_L2 ? residuals_l2(f, &v, k, x, y, scale) : residuals(f, &v, k, x, y, scale);
+        sums = f->norm == BRDFFIT_NORM_L2 ? residuals_l2(f, &v, k, z, scale) : residuals(f, &v, k, z, scale);
         add_channel(f, &sums, scale, f->triangle_error * sqrt(f->data.ii[k]), &out);
         f->rms[k] = scale * sqrt(sums_value(&sums.squares) / f->data.weight_sum) * f->data.value_scale *
                     f->data.channel_scale[k];
     }
     out.error += f->rows_error * f->data.total + 4.0 * (double)f->data.channels * TOL_UNIT * out.objective;
-    for (p = 0; p < lobes; p++) {
+    for (p = 0; p < f->model.lobes; p++) {
         theta[p] = kernel_log(v.s[p].high);
     }
     out.error += geometry_error(f, theta, out.objective);

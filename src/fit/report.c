@@ -289,7 +289,7 @@ static double sigma_tail(const struct fit *f, const brdffit_options *o)
     double least = INFINITY;
     int kind;
 
-    for (kind = 0; kind < f->model.kinds; kind++) {
+    for (kind = 0; kind < f->model.axes; kind++) {
         least = fmin(least, brdffit_fit_sigma(f, kind, f->domain[kind].high, o));
     }
     return least;
@@ -301,7 +301,8 @@ static void publish_model(struct fit *f, const brdffit_options *o)
     struct handout *h = f->handout;
     int p;
 
-    h->model.struct_size = INTAKE_LEAST(brdffit_model, distributions);
+    h->model.struct_size = brdffit_options_special(o) ? sizeof(brdffit_model)
+                                                      : INTAKE_LEAST(brdffit_model, distributions);
     h->model.distribution = f->model.distribution[0];
     h->model.lobes = o->lobes;
     h->model.channels = f->data.channels;
@@ -309,6 +310,11 @@ static void publish_model(struct fit *f, const brdffit_options *o)
     h->model.x = f->x;
     h->model.y = f->y;
     h->model.distributions = h->distributions;
+    h->model.fresnel = o->fresnel;
+    h->model.diffuse = o->diffuse;
+    h->model.masking = o->masking;
+    h->model.f0 = f->f0;
+    h->model.x_more = f->x_more;
     for (p = 0; p < o->lobes; p++) {
         h->sigma[p] = h->lobe[p].sigma;
         h->distributions[p] = f->model.distribution[p];

@@ -82,107 +82,139 @@ LANES_INLINE vec by_bits(unsigned b0, unsigned b1, unsigned block, size_t part, 
     return block >> (b1 - 3) & 1 ? by_bit(b0, block, part, v[2], v[3]) : by_bit(b0, block, part, v[0], v[1]);
 }
 
-/* Off-diagonals 01, 02, .., 12, .. of the Gram matrix: the fixed column comes first, side p is column 1 + p. */
-LANES_INLINE void cosines_at(const struct gains *in, const unsigned S, unsigned block, size_t part, vec *cosine)
+/* The side of column c. */
+#define SIDE_OF(c) (((c) - F) / Q)
+
+/*
+ * Off-diagonals 01, 02, .., 12, .. of the Gram matrix of F fixed columns and Q of each of S sides (see struct gains). These
+ * three are constants of each instance.
+ */
+LANES_INLINE void cosines_at(const struct gains *in, const unsigned F, const unsigned Q, const unsigned S,
+                             unsigned block, size_t part, vec *cosine)
 {
-    const vec zero = vec_set(0.0);
-    unsigned p, q, e;
+    const unsigned n = F + Q * S;
+    unsigned i, j, e = 0;
 
 #pragma GCC unroll 8
-    for (e = 0; e < S; e++) {
-        cosine[e] = by_bit(e, block, part, in->cosine[e][0], in->cosine[e][1]) -
-                    by_bit(S + e, block, part, 0.0, in->fall[e][0]);
-        cosine[e] = vec_max(cosine[e], zero);
-    }
+    for (i = 0; i < n; i++) {
 #pragma GCC unroll 8
-    for (p = 0, e = S; p < S; p++) {
-#pragma GCC unroll 8
-        for (q = p + 1; q < S; q++, e++) {
-            cosine[e] = by_bits(p, q, block, part, in->cosine[e]) - by_bit(S + p, block, part, 0.0, in->fall[e][0]) -
-                        by_bit(S + q, block, part, 0.0, in->fall[e][1]);
-            cosine[e] = vec_max(cosine[e], zero);
+        for (j = i + 1; j < n; j++, e++) {
+            unsigned q = j < F ? 0 : SIDE_OF(j), p = i < F ? q : SIDE_OF(i);
+
+            if (j < F) {
+                cosine[e] = vec_set(in->cosine[e][0]);
+            } else if (p == q) {
+                cosine[e] = by_bit(q, block, part, in->cosine[e][0], in->cosine[e][1]) -
+                            by_bit(S + q, block, part, 0.0, in->fall[e][0]);
+            } else {
+                cosine[e] = by_bits(p, q, block, part, in->cosine[e]) -
+                            by_bit(S + p, block, part, 0.0, in->fall[e][0]) -
+                            by_bit(S + q, block, part, 0.0, in->fall[e][1]);
+            }
+            cosine[e] = vec_max(cosine[e], vec_set(0.0));
         }
     }
 }
 
-/* Gram matrix of 1 + S columns: closed forms up to three. */
+/* Gram matrix of n columns: closed forms up to three. */
 struct gram {
     vec kappa, inverse;
     struct gram3_vec three;
     struct gram_n n;
 };
 
-LANES_INLINE void gram_make(struct gram *g, const vec *cosine, const unsigned S)
+LANES_INLINE void gram_make(struct gram *g, const vec *cosine, const unsigned n)
 {
-    if (S == 1) {
+    if (n == 2) {
         g->kappa = gain_clip(cosine[0]);
         g->inverse = gain_inverse(g->kappa);
-    } else if (S == 2) {
+    } else if (n == 3) {
         g->three = gram3_vec(cosine[0], cosine[1], cosine[2]);
     } else {
-        gram_n_make(&g->n, cosine, 1 + S);
+        gram_n_make(&g->n, cosine, n);
     }
 }
 
-LANES_INLINE vec gram_gain(const struct gram *g, const vec *t, const unsigned S)
+LANES_INLINE vec gram_gain(const struct gram *g, const vec *t, const unsigned n)
 {
-    return S == 1   ? gain2_vec(t[0], t[1], g->kappa, g->inverse)
-           : S == 2 ? gain3_vec(&g->three, t[0], t[1], t[2])
-                    : gain_n_vec(&g->n, t, 1 + S);
+    return n == 2   ? gain2_vec(t[0], t[1], g->kappa, g->inverse)
+           : n == 3 ? gain3_vec(&g->three, t[0], t[1], t[2])
+                    : gain_n_vec(&g->n, t, n);
 }
 
-/* One body for any number of sides, a constant of each instance. */
-LANES_INLINE void gains_body(const struct gains *in, int shifted, double *gain, const unsigned S)
+/* One body for any number of columns and sides. */
+LANES_INLINE void gains_body(const struct gains *in, int shifted, double *gain, const unsigned F, const unsigned Q,
+                             const unsigned S)
 {
-    const unsigned values = GAINS(S), width = values < LANES ? values : LANES;
+    const unsigned values = GAINS(S), width = values < LANES ? values : LANES, n = F + Q * S;
     const unsigned blocks = shifted ? values / width : ((1u << S) + width - 1) / width;
-    unsigned block, p;
+    unsigned block, c;
     size_t part, k;
 
     for (block = 0; block < blocks; block++) {
         for (part = 0; part < width; part += VEC) {
-            vec cosine[COSINES(SIDES_MOST)], sum = vec_set(0.0);
+            vec cosine[COSINES(COLUMNS_MOST)], sum = vec_set(0.0);
             struct gram gram;
 
-            cosines_at(in, S, block, part, cosine);
-            gram_make(&gram, cosine, S);
+            cosines_at(in, F, Q, S, block, part, cosine);
+            gram_make(&gram, cosine, n);
             for (k = 0; k < in->channels; k++) {
-                vec t[1 + SIDES_MOST];
+                vec t[COLUMNS_MOST];
 
-                t[0] = vec_set(in->omega[k]);
 #pragma GCC unroll 8
-                for (p = 0; p < S; p++) {
-                    t[1 + p] = by_bit(p, block, part, in->tau[p][0][k], in->tau[p][1][k]) +
-                               by_bit(S + p, block, part, 0.0, in->shift[p][k]);
+                for (c = 0; c < F; c++) {
+                    t[c] = vec_set(in->omega[c][k]);
                 }
-                sum += gram_gain(&gram, t, S);
+#pragma GCC unroll 8
+                for (c = 0; c < n - F; c++) {
+                    t[F + c] = by_bit(c / Q, block, part, in->tau[c][0][k], in->tau[c][1][k]) +
+                               by_bit(S + c / Q, block, part, 0.0, in->shift[c][k]);
+                }
+                sum += gram_gain(&gram, t, n);
             }
             vec_store(gain + block * LANES + part, sum);
         }
     }
 }
 
-static void gains_1(const struct gains *in, int shifted, double *gain)
+/* One side: all four gains fit one register. */
+LANES_INLINE void gains_one(const struct gains *in, double *gain, const unsigned F, const unsigned Q)
 {
     double out[LANES];
     size_t i;
 
-    (void)shifted; /* all four fit one register */
-    gains_body(in, 1, out, 1);
+    gains_body(in, 1, out, F, Q, 1);
     for (i = 0; i < GAINS(1); i++) {
         gain[i] = out[i];
     }
 }
 
-static void gains_2(const struct gains *in, int shifted, double *gain)
-{
-    gains_body(in, shifted, gain, 2);
-}
-
-static void gains_3(const struct gains *in, int shifted, double *gain)
-{
-    gains_body(in, shifted, gain, 3);
-}
+/* An instance for each model of at most COLUMNS_MOST columns. */
+#define GAINS_OF(F, Q)                                                                                                 \
+    static void gains_##F##_##Q##_1(const struct gains *in, int shifted, double *gain)                                 \
+    {                                                                                                                  \
+        (void)shifted;                                                                                                 \
+        gains_one(in, gain, F, Q);                                                                                     \
+    }                                                                                                                  \
+    static void gains_##F##_##Q##_2(const struct gains *in, int shifted, double *gain)                                 \
+    {                                                                                                                  \
+        gains_body(in, shifted, gain, F, Q, 2);                                                                        \
+    }
+#define GAINS_OF_THREE(F, Q)                                                                                           \
+    static void gains_##F##_##Q##_3(const struct gains *in, int shifted, double *gain)                                 \
+    {                                                                                                                  \
+        gains_body(in, shifted, gain, F, Q, 3);                                                                        \
+    }
+GAINS_OF(1, 1)
+GAINS_OF(2, 1)
+GAINS_OF(3, 1)
+GAINS_OF(1, 2)
+GAINS_OF(3, 2)
+GAINS_OF_THREE(1, 1)
+GAINS_OF_THREE(2, 1)
+GAINS_OF_THREE(3, 1)
+GAINS_OF_THREE(1, 2)
+GAINS_OF(2, 2)
 
 static double box_maximum_1(const double *gain, double *lift)
 {

@@ -22,21 +22,29 @@ struct local {
     double mean_low, mean_high;
 };
 
-/* Off-diagonal cosines of a box with so many sides: kappa of each side, and mu of each pair. */
-#define COSINES(sides) ((sides) + (sides) * ((sides) - 1) / 2)
+/* Most columns of a model: without a shape, of lobes, and all together; and most of a lobe. */
+#define FIXED_MOST 3
+#define MOVING_MOST 6
+#define COLUMNS_MOST 7
+#define EACH_MOST 2
+
+/* Off-diagonal cosines of so many columns, and which of them is that of columns i < j. */
+#define COSINES(columns) ((columns) * ((columns) - 1) / 2)
+#define COSINE(columns, i, j) ((i) * (2 * (columns) - (i) - 1) / 2 + (j) - (i) - 1)
 
 /*
- * One box (theory 4.2, 7.5): the columns of its S sides at both ends, and how far they may leave their chords. Entry
- * e < S of the cosines is kappa of side e, with values [end]; then come mu of the pairs (0, 1), (0, 2), (1, 2) ..., with
- * values [end of the first + 2 end of the second].
+ * One box (theory 4.2, 7.5): its columns at both ends of their sides, and how far they may leave their chords. Columns are
+ * the fixed ones, then `each` of every side in turn. Cosines are in the order 01, 02, .., 12, .. of columns. One of two fixed
+ * columns has one value; of a fixed column and a side's, or of two columns of one side, values [end]; of two sides, values
+ * [end of the first + 2 end of the second].
  */
 struct gains {
     size_t channels;
-    const double *omega;                      /* K: data along the fixed column */
-    const double *tau[SIDES_MOST][2];         /* [side][end]: K */
-    const double *shift[SIDES_MOST];          /* [side]: K, how far tau may rise above its chord */
-    double cosine[COSINES(SIDES_MOST)][4];
-    double fall[COSINES(SIDES_MOST)][2]; /* how far it may fall below its chord along its first and second side */
+    const double *omega[FIXED_MOST];    /* K: data along the fixed columns */
+    const double *tau[MOVING_MOST][2];  /* [column of a side][end]: K */
+    const double *shift[MOVING_MOST];   /* K, how far tau may rise above its chord */
+    double cosine[COSINES(COLUMNS_MOST)][4];
+    double fall[COSINES(COLUMNS_MOST)][2]; /* how far it may fall below its chord along its first and second side */
 };
 
 /* Corners of a box with so many sides times the subsets of sides that are shifted. */
@@ -65,8 +73,9 @@ struct kernels {
                  double out[3]);
 
     /* [S - 1]: gain[c + 2^S s] is J at corner c (bit i: the high end of side i) with the sides of subset s shifted.
-     * Without `shifted`, only the first 2^S of the GAINS(S) numbers are meant. */
-    void (*gains[SIDES_MOST])(const struct gains *in, int shifted, double *gain);
+     * Without `shifted`, only the first 2^S of the GAINS(S) numbers are meant. [fixed - 1][each - 1]; NULL where columns
+     * would be more than COLUMNS_MOST. */
+    void (*gains[FIXED_MOST][EACH_MOST][SIDES_MOST])(const struct gains *in, int shifted, double *gain);
 
     /* [S - 1]: an upper bound of J in the box from these, and how far the shift of each side lifts a corner at most. */
     double (*box_maximum[SIDES_MOST])(const double *gain, double *lift);

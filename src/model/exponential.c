@@ -32,17 +32,17 @@ void brdffit_exponential_slope(double c, double u, double *ell, double *slope)
 
 double brdffit_exponential_tail(const double *c, const double *bb, size_t m, double c_min)
 {
-    double sharpest = weight_sharpest(c, bb, m), tail = 0.0, most = 0.0, cap;
+    double least = weight_least_c(c, bb, m), sharpest = weight_sharpest(c, bb, m, least), tail = 0.0, most = 0.0, cap;
     size_t j;
 
     (void)c_min;
     for (j = 0; j < m; j++) {
-        most = c[j] > 0.0 && bb[j] > most ? bb[j] : most;
+        most = c[j] > least && bb[j] > most ? bb[j] : most;
     }
     cap = most > 0.0 ? TAIL_EXPONENT + weight_exponent(most, sharpest, m) : 0.0;
     for (j = 0; j < m; j++) {
-        if (c[j] > 0.0 && bb[j] > 0.0 && cap > tail * c[j]) { /* else it cannot matter */
-            tail = fmax(tail, (TAIL_EXPONENT + weight_exponent(bb[j], sharpest, m)) / c[j]);
+        if (c[j] > least && bb[j] > 0.0 && cap > tail * (c[j] - least)) { /* else it cannot matter */
+            tail = fmax(tail, (TAIL_EXPONENT + weight_exponent(bb[j], sharpest, m)) / (c[j] - least));
         }
     }
     return tail;

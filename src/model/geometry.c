@@ -119,6 +119,14 @@ static int cancels(const struct geometry_angles *g, int general, int mirrored)
            (mirrored && mirror_cancels(g));
 }
 
+/* 1 - v.h from |l - v|^2 = 4 (1 - (v.h)^2), for unit vectors. */
+static double versine_of(const double l[3], const double v[3], double cos_difference)
+{
+    double apart[3] = {l[0] - v[0], l[1] - v[1], l[2] - v[2]};
+
+    return 0.25 * dot3(apart, apart) / (1.0 + cos_difference);
+}
+
 /* Angles from unit vectors. Products with a normal of +z are exact, so that leaving them out changes no bit. */
 static void angles_of_units(const double l[3], const double v[3], const double *n, struct geometry_angles *out)
 {
@@ -140,6 +148,7 @@ static void angles_of_units(const double l[3], const double v[3], const double *
     }
     out->tan2_half = sine2 / (cos_half * cos_half);
     out->cos_difference = 0.5 * sqrt(dot3(h, h)); /* |l + v| = 2 cos(theta_d) for unit vectors */
+    out->versine = versine_of(l, v, out->cos_difference);
 }
 
 static brdffit_status angles_of_directions(const brdffit_samples *s, size_t i, int mirrored,
@@ -173,6 +182,7 @@ static brdffit_status angles_given(const brdffit_samples *s, size_t i, struct ge
     out->cos_view = s->cos_view[i];
     out->tan2_half = s->tan2_half[i];
     out->cos_difference = s->cos_difference[i];
+    out->versine = 1.0 - out->cos_difference;
     rounding_of_angles(out);
     if (!(fabs(out->cos_light) <= 1.0)) {
         return brdffit_fail_at(error, "cos_light is not in [-1, 1]", i, BRDFFIT_NONE, out->cos_light);

@@ -13,6 +13,8 @@ struct geometry_angles {
     double cos_view;       /* n.v */
     double tan2_half;      /* tan^2 alpha */
     double cos_difference; /* v.h */
+    double versine;        /* 1 - v.h, which would cancel */
+    double versine_error;  /* relative */
     double off_mirror;     /* 1 - r.v, r the mirrored light; not 0 only where `accurate` */
     double mirror;         /* r.v, likewise */
     int accurate;          /* off_mirror and mirror are there */

@@ -63,11 +63,11 @@ static struct wide phi(struct twofold s, double c)
  */
 static double tail(const double *c, const double *bb, size_t m, double c_min)
 {
-    double sharpest = weight_sharpest(c, bb, m), tail = 0.0;
+    double least = weight_least_c(c, bb, m), sharpest = weight_sharpest(c, bb, m, least), tail = 0.0;
     size_t j;
 
-    if (c_min > 0.0) {
-        return m > 1 ? kernel_exp(TAIL_EXPONENT) / c_min : 0.0;
+    if (c_min + least > 0.0) {
+        return m > 1 ? kernel_exp(TAIL_EXPONENT) / (c_min + least) : 0.0;
     }
     for (j = 0; j < m; j++) {
         if (c[j] > 0.0 && bb[j] > 0.0) {

@@ -50,8 +50,25 @@ static void add_lobe(struct model *m, int kind, brdffit_distribution distributio
     m->distribution[p] = distribution;
     m->lobe[p].kind = kind;
     m->lobe[p].side = m->sides++;
-    m->lobe[p].column = m->columns++;
+    m->lobe[p].column = m->columns;
+    m->columns += m->each;
     m->lobe[p].first = p > 0 && m->lobe[p - 1].kind == kind ? m->lobe[p - 1].first : p;
+}
+
+/* Kinds and geometries of second columns, as many as of first ones, and in their order. */
+static void add_second_columns(struct model *m)
+{
+    int i;
+
+    m->axes = m->kinds;
+    m->bases = m->geometries;
+    for (i = 0; m->each > 1 && i < m->bases; i++) {
+        m->shown_by[m->geometries++] = m->shown_by[i];
+    }
+    for (i = 0; m->each > 1 && i < m->axes; i++) {
+        m->kind[m->kinds] = m->kind[i];
+        m->geometry[m->kinds++] = m->geometry[i] + m->bases;
+    }
 }
 
 void brdffit_model_make(struct model *m, const brdffit_options *o)
@@ -59,7 +76,10 @@ void brdffit_model_make(struct model *m, const brdffit_options *o)
     int kind, p;
 
     m->lobes = m->sides = m->kinds = m->geometries = m->lead = 0;
-    m->columns = COLUMNS_FIXED;
+    m->diffuse = o->diffuse;
+    m->fixed = brdffit_diffuse_columns(o->diffuse);
+    m->each = o->fresnel == BRDFFIT_FRESNEL_SCHLICK ? 2 : 1;
+    m->columns = m->fixed;
     for (p = 0; p < o->lobes; p++) {
         const struct lobe_kind *wanted = brdffit_lobe_kind_of(brdffit_model_asked(o, p));
 
@@ -76,6 +96,7 @@ void brdffit_model_make(struct model *m, const brdffit_options *o)
             }
         }
     }
+    add_second_columns(m);
 }
 
 brdffit_distribution brdffit_model_lead(const struct model *m)

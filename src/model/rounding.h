@@ -18,6 +18,7 @@
  * Condition of the geometry, absolute errors e_S of |n x h| and e_C of n.h = n.l + n.v:
  *
  *     tan alpha = |n x h| / n.h:   e_S / (n.h) + tan alpha e_C / (n.h)          c = tan^2 alpha:  e (2 tan alpha + e)
+ *     1 - v.h = |l - v|^2 / (4 (1 + v.h)), e of |l - v|: 2 e / |l - v| relative
  *     |r - v| = sqrt(2 (1 - r.v)): e_S and the errors of both cosines           1 - r.v:  e |r - v| + e^2 / 2
  */
 #ifndef BRDFFIT_ROUNDING_H
@@ -37,6 +38,15 @@
  * 1e-11 relative, which is no more than TOL_ANGLE makes of it. */
 #define ACCURATE_TAN2 1e-8
 #define ACCURATE_COSINE 0.015625
+
+/* 1 - v.h, relative: |l - v| is that of unit vectors off by 5 u each and known to TOL_ANGLE, less a rounding. */
+static inline double rounding_of_versine(const struct geometry_angles *g)
+{
+    double apart = sqrt(4.0 * g->versine * (1.0 + g->cos_difference));
+
+    return apart > 0.0 ? smaller(1.0, ENOUGH * 2.0 * (2.0 * TOL_ANGLE + 12.0 * TOL_UNIT) / apart) + 12.0 * TOL_UNIT
+                       : 0.0;
+}
 
 /* Directions: fills the errors. `general`: a normal was given. */
 static inline void rounding_of_directions(struct geometry_angles *g, int general)
@@ -69,6 +79,7 @@ static inline void rounding_of_directions(struct geometry_angles *g, int general
     g->tangent_error = (across + tangent * sum) / cosines + 16.0 * TOL_UNIT * tangent;
     g->tan2_error = ENOUGH * g->tangent_error * (2.0 * tangent + g->tangent_error);
     g->mirror_error = distance;
+    g->versine_error = rounding_of_versine(g);
 }
 
 /* Angles that are given are exact. */
@@ -77,6 +88,7 @@ static inline void rounding_of_angles(struct geometry_angles *g)
     g->accurate = 0;
     g->light_error = g->view_error = g->difference_error = 0.0;
     g->tangent_error = g->tan2_error = g->mirror_error = 0.0;
+    g->versine_error = 2.0 * TOL_UNIT;
 }
 
 /* Of 1 + tan^2 alpha, relative. */

@@ -1,14 +1,14 @@
 /*
  * Exact objective and its derivatives: see varpro.h. SPDX-License-Identifier: MIT
  *
- * Columns are a and g_p = b phi(u(theta_p), c'), taken at unit norm. With residual r = I - A z, z optimal and S its
- * support, the objective E(theta) = sum_k |r_k|^2 has
+ * Columns are a_f and g_c = b_c phi(u(theta_p), c'), c in p the columns of lobe p, taken at unit norm. With residual
+ * r = I - A z, z optimal and S its support, the objective E(theta) = sum_k |r_k|^2 has, sums over the columns of p and q,
  *
- *     E_p  = -2 sum_k z_p d_p.r
- *     E_pq =  2 sum_k [ z_p z_q d_p.d_q - (p = q) z_p e_p.r  -  B_p G^-1 B_q' ],
- *             B_pj = z_p d_p.A_j - (j = p) d_p.r over j in S,   G = A_S'A_S
+ *     E_p  = -2 sum_k [sum z_c d_c].r
+ *     E_pq =  2 sum_k ( [sum z_c d_c].[sum z_e d_e] - (p = q) [sum z_c e_c].r  -  B_p G^-1 B_q' ),
+ *             B_pj = [sum z_c d_c].A_j - (j in p) d_j.r over j in S,   G = A_S'A_S
  *
- * where d_p, e_p are the first and second derivatives of column p (the norm held constant): the second line is
+ * where d_c, e_c are the first and second derivatives of column c (the norm held constant): the second line is
  * the Schur complement of the full Hessian, so Newton's method on it converges quadratically whatever the size of
  * the residual, and for a zero residual it is Gauss-Newton.
  */
@@ -31,101 +31,99 @@ void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, 
     v->q = brdffit_arena_take(arena, count, (size_t)model->columns * sizeof(double));
     v->residual = ARENA_DOUBLES(arena, count);
     v->answer = brdffit_arena_take(arena, channels, sizeof *v->answer);
-    for (p = 0; p < model->lobes; p++) {
+    for (p = 0; p < model->columns - model->fixed; p++) {
         v->column[p] = ARENA_DOUBLES(arena, count);
         v->first[p] = ARENA_DOUBLES(arena, count);
         v->second[p] = ARENA_DOUBLES(arena, count);
     }
 }
 
-/* Columns p by theta, from x = -ell and slope of each group; no slopes: 0. */
-static void differentiate(struct varpro *v, const struct table *table, int p, const double u[3], const double *x,
-                          const double *slopes)
+/* Column c by theta, from x = -ell and slope of each group; no slopes: 0. */
+static void differentiate(struct varpro *v, int c, const double u[3], const double *x, const double *slopes)
 {
     const struct reduced *data = v->data;
+    const double *row_b = varpro_table(v, c)->row_b;
     size_t r;
 
     for (r = 0; r < data->rows; r++) {
         uint32_t j = data->row_c[r];
-        double value = table->row_b[r] * v->phi[j], ell = -x[j], slope = slopes ? slopes[j] : 0.0;
+        double value = row_b[r] * v->phi[j], ell = -x[j], slope = slopes ? slopes[j] : 0.0;
 
-        v->column[p][r] = value;
-        v->first[p][r] = value * (ell * u[1]);
-        v->second[p][r] = value * ((ell * ell + slope) * (u[1] * u[1]) + ell * u[2]);
+        v->column[c][r] = value;
+        v->first[c][r] = value * (ell * u[1]);
+        v->second[c][r] = value * ((ell * ell + slope) * (u[1] * u[1]) + ell * u[2]);
     }
 }
 
-/* Column p and its derivatives at theta. */
+/* The columns of lobe p and their derivatives at theta: they share phi. */
 static void lobe_columns(struct varpro *v, int p, double theta, int derivatives)
 {
     const struct lobe_kind *kind = model_kind(v->model, p);
-    const struct table *table = varpro_table(v, p);
+    int first = p * v->model->each, c;
+    const struct table *table = varpro_table(v, first);
     const struct reduced *data = v->data;
     double u[3];
     size_t r;
 
     kind->variable(table->c_min, theta, u);
     kind->shape(v->kernels, table->c, data->stride, u[0], v->phi);
-    if (derivatives && kind->exponential) {
-        differentiate(v, table, p, u, table->c, NULL);
-    } else if (derivatives) {
+    if (derivatives && !kind->exponential) {
         kind->slopes(v->kernels, table->c, data->stride, u[0], v->x, v->slope);
-        differentiate(v, table, p, u, v->x, v->slope);
     }
-    for (r = 0; r < data->rows && !derivatives; r++) {
-        v->column[p][r] = table->row_b[r] * v->phi[data->row_c[r]];
+    for (c = first; c < first + v->model->each; c++) {
+        const double *row_b = varpro_table(v, c)->row_b;
+
+        if (derivatives) {
+            differentiate(v, c, u, kind->exponential ? table->c : v->x, kind->exponential ? NULL : v->slope);
+        }
+        for (r = 0; r < data->rows && !derivatives; r++) {
+            v->column[c][r] = row_b[r] * v->phi[data->row_c[r]];
+        }
     }
 }
 
 /* Products of derivative columns that every channel needs, at unit norm. */
 struct products {
-    double norm[SIDES_MOST];                /* of the lobe columns */
-    double along[SIDES_MOST][COLUMNS_MOST]; /* d_p . A_j */
-    double dd[SIDES_MOST][SIDES_MOST];      /* d_p . d_q */
+    double norm[MOVING_MOST];                /* of the lobe columns */
+    double along[MOVING_MOST][COLUMNS_MOST]; /* d_c . A_j */
+    double dd[MOVING_MOST][MOVING_MOST];     /* d_c . d_e */
 };
 
 static void fill_products(const struct varpro *v, struct products *s)
 {
     size_t n = v->data->rows;
-    int p, q, j, k;
+    int c, e, j, k, F = v->model->fixed;
 
-    for (p = 0; p < v->model->lobes; p++) {
+    for (c = 0; c < varpro_moving(v); c++) {
         double along_q[COLUMNS_MOST];
 
-        s->norm[p] = v->nnls.norm[1 + p] * v->nnls.scale[1 + p];
+        s->norm[c] = v->nnls.norm[F + c] * v->nnls.scale[F + c];
         for (k = 0; k < v->nnls.columns; k++) {
-            along_q[k] = s->norm[p] > 0.0 ? v->kernels->dot(v->nnls.q[k], v->first[p], n) / s->norm[p] : 0.0;
+            along_q[k] = s->norm[c] > 0.0 ? v->kernels->dot(v->nnls.q[k], v->first[c], n) / s->norm[c] : 0.0;
         }
         for (j = 0; j < v->nnls.columns; j++) {
-            s->along[p][j] = 0.0;
+            s->along[c][j] = 0.0;
             for (k = 0; k <= j; k++) {
-                s->along[p][j] += along_q[k] * v->nnls.r[k][j];
+                s->along[c][j] += along_q[k] * v->nnls.r[k][j];
             }
         }
-        for (q = 0; q <= p; q++) {
+        for (e = 0; e <= c; e++) {
             double value = 0.0;
 
-            if (s->norm[p] > 0.0 && s->norm[q] > 0.0) {
-                value = v->kernels->dot(v->first[p], v->first[q], n) / s->norm[p] / s->norm[q];
+            if (s->norm[c] > 0.0 && s->norm[e] > 0.0) {
+                value = v->kernels->dot(v->first[c], v->first[e], n) / s->norm[c] / s->norm[e];
             }
-            s->dd[p][q] = s->dd[q][p] = value;
+            s->dd[c][e] = s->dd[e][c] = value;
         }
     }
 }
 
-/* B_p G^-1 B_q' over the support, by Cholesky of G = (R'R)_S; a pivot that vanishes is skipped. */
-static void eliminate(const struct varpro *v, unsigned support, double b[SIDES_MOST][COLUMNS_MOST],
-                      double out[SIDES_MOST][SIDES_MOST])
+/* The lower triangle of the Cholesky factor of G = (R'R)_S; a pivot that vanishes is 0, and skipped. */
+static void factor_support(const struct varpro *v, unsigned support, double g[COLUMNS_MOST][COLUMNS_MOST])
 {
-    double g[COLUMNS_MOST][COLUMNS_MOST], w[SIDES_MOST][COLUMNS_MOST];
-    int i, j, k, p, q, n = v->nnls.columns;
+    int i, j, k;
 
-    for (p = 0; p < v->model->lobes; p++) {
-        for (q = 0; q < v->model->lobes; q++) {
-            out[p][q] = 0.0;
-        }
-    }
-    for (j = 0; j < n; j++) {
+    for (j = 0; j < v->nnls.columns; j++) {
         if (!(support & (1u << j))) {
             continue;
         }
@@ -145,20 +143,64 @@ static void eliminate(const struct varpro *v, unsigned support, double b[SIDES_M
             }
         }
         g[j][j] = g[j][j] > TOL_DEPENDENT ? sqrt(g[j][j]) : 0.0;
-        for (p = 0; p < v->model->lobes; p++) {
-            w[p][j] = b[p][j];
-            for (k = 0; k < j; k++) {
+    }
+}
+
+/* B_p G^-1 B_q' over the support, by Cholesky of G. */
+static void eliminate(const struct varpro *v, unsigned support, double b[SIDES_MOST][COLUMNS_MOST],
+                      double out[SIDES_MOST][SIDES_MOST])
+{
+    double g[COLUMNS_MOST][COLUMNS_MOST], w[SIDES_MOST][COLUMNS_MOST];
+    int j, k, p, q, sides = v->model->sides;
+
+    factor_support(v, support, g);
+    for (p = 0; p < sides; p++) {
+        for (j = 0; j < v->nnls.columns; j++) {
+            w[p][j] = support & (1u << j) ? b[p][j] : 0.0;
+            for (k = 0; k < j && support & (1u << j); k++) {
                 w[p][j] -= support & (1u << k) ? g[j][k] * w[p][k] : 0.0;
             }
-            w[p][j] = g[j][j] > 0.0 ? w[p][j] / g[j][j] : 0.0;
-            for (q = 0; q <= p; q++) {
+            w[p][j] = support & (1u << j) && g[j][j] > 0.0 ? w[p][j] / g[j][j] : 0.0;
+        }
+        for (q = 0; q <= p; q++) {
+            out[p][q] = 0.0;
+            for (j = 0; j < v->nnls.columns; j++) {
                 out[p][q] += w[p][j] * w[q][j];
             }
+            out[q][p] = out[p][q];
         }
     }
-    for (p = 0; p < v->model->lobes; p++) {
-        for (q = 0; q < p; q++) {
-            out[q][p] = out[p][q];
+}
+
+/* What one channel makes of the columns of each side: sum z_c d_c . r, sum z_c e_c . r, B_p; and whether it uses the side. */
+struct part {
+    double dr[SIDES_MOST], er[SIDES_MOST], b[SIDES_MOST][COLUMNS_MOST];
+    int used[SIDES_MOST];
+};
+
+static void fill_part(const struct varpro *v, const struct products *s, const struct nnls_answer *answer,
+                      struct part *out)
+{
+    size_t n = v->data->rows;
+    int c, j, p, F = v->model->fixed;
+
+    for (p = 0; p < v->model->sides; p++) {
+        out->dr[p] = out->er[p] = 0.0;
+        out->used[p] = 0;
+        for (j = 0; j < v->nnls.columns; j++) {
+            out->b[p][j] = 0.0;
+        }
+    }
+    for (c = 0; c < varpro_moving(v); c++) {
+        double inverse = s->norm[c] > 0.0 ? 1.0 / s->norm[c] : 0.0, z = answer->unit[F + c];
+        double dr = v->kernels->dot(v->first[c], v->residual, n) * inverse;
+
+        p = model_lobe_of(v->model, c);
+        out->dr[p] += z * dr;
+        out->er[p] += z * (v->kernels->dot(v->second[c], v->residual, n) * inverse);
+        out->used[p] = out->used[p] || z > 0.0;
+        for (j = 0; j < v->nnls.columns; j++) {
+            out->b[p][j] += z * s->along[c][j] - (j == F + c ? dr : 0.0);
         }
     }
 }
@@ -167,31 +209,25 @@ static void eliminate(const struct varpro *v, unsigned support, double b[SIDES_M
 static void add_channel(const struct varpro *v, const struct products *s, const struct nnls_answer *answer,
                         double scale2, struct varpro_value *value)
 {
-    double b[SIDES_MOST][COLUMNS_MOST], gone[SIDES_MOST][SIDES_MOST], dr[SIDES_MOST], er[SIDES_MOST];
-    size_t n = v->data->rows;
-    int p, q, j;
+    double gone[SIDES_MOST][SIDES_MOST];
+    struct part part;
+    int c, e, p, q, F = v->model->fixed;
 
-    for (p = 0; p < v->model->lobes; p++) {
-        double inverse = s->norm[p] > 0.0 ? 1.0 / s->norm[p] : 0.0;
-
-        dr[p] = v->kernels->dot(v->first[p], v->residual, n) * inverse;
-        er[p] = v->kernels->dot(v->second[p], v->residual, n) * inverse;
-        for (j = 0; j < v->nnls.columns; j++) {
-            b[p][j] = answer->unit[1 + p] * s->along[p][j] - (j == 1 + p ? dr[p] : 0.0);
+    fill_part(v, s, answer, &part);
+    eliminate(v, answer->support, part.b, gone);
+    for (p = 0; p < v->model->sides; p++) {
+        value->gradient[p] -= 2.0 * scale2 * part.dr[p];
+        for (q = 0; q < v->model->sides; q++) {
+            /* A lobe that this channel does not use has no say in its roughness. */
+            if (part.used[p] && part.used[q]) {
+                value->hessian[p][q] -= 2.0 * scale2 * (gone[p][q] + (p == q ? part.er[p] : 0.0));
+            }
         }
     }
-    eliminate(v, answer->support, b, gone);
-    for (p = 0; p < v->model->lobes; p++) {
-        double z = answer->unit[1 + p];
-
-        value->gradient[p] -= 2.0 * scale2 * z * dr[p];
-        for (q = 0; q < v->model->lobes; q++) {
-            double h = z * answer->unit[1 + q] * s->dd[p][q] - (p == q ? z * er[p] : 0.0);
-
-            /* A lobe that this channel does not use has no say in its roughness. */
-            if (z > 0.0 && answer->unit[1 + q] > 0.0) {
-                value->hessian[p][q] += 2.0 * scale2 * (h - gone[p][q]);
-            }
+    for (c = 0; c < varpro_moving(v); c++) {
+        for (e = 0; e < varpro_moving(v); e++) {
+            value->hessian[model_lobe_of(v->model, c)][model_lobe_of(v->model, e)] +=
+                2.0 * scale2 * (answer->unit[F + c] * answer->unit[F + e] * s->dd[c][e]);
         }
     }
 }
@@ -201,17 +237,18 @@ void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int deriv
     const double *column[COLUMNS_MOST];
     struct products products;
     size_t k;
-    int p, q;
+    int c, p, q;
 
     for (p = 0; p < v->model->lobes; p++) {
         lobe_columns(v, p, at->theta[p], derivatives);
-        column[1 + p] = v->column[p];
         value->gradient[p] = 0.0;
         for (q = 0; q < v->model->lobes; q++) {
             value->hessian[p][q] = 0.0;
         }
     }
-    column[0] = v->data->row_a;
+    for (c = 0; c < v->model->columns; c++) {
+        column[c] = c < v->model->fixed ? v->data->row_a + (size_t)c * v->data->used : v->column[c - v->model->fixed];
+    }
     brdffit_nnls_factor(&v->nnls, v->kernels, v->data->rows, v->model->columns, column, v->q);
     if (derivatives) {
         fill_products(v, &products);

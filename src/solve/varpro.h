@@ -18,19 +18,25 @@ struct varpro {
 
     double *phi;                 /* stride: the shape in use */
     double *x, *slope;           /* stride: -ell and slope of lobes that are not exponential */
-    double *column[SIDES_MOST];  /* R each: the lobes */
-    double *first[SIDES_MOST];   /* R each: d column / d theta */
-    double *second[SIDES_MOST];  /* R each */
+    double *column[MOVING_MOST]; /* R each: the columns of the lobes */
+    double *first[MOVING_MOST];  /* R each: d column / d theta */
+    double *second[MOVING_MOST]; /* R each */
     double *q;                   /* columns x R */
     double *residual;            /* R */
     struct nnls nnls;
     struct nnls_answer *answer;  /* K, of the last evaluation */
 };
 
-/* The table of the geometry that a lobe sees. */
-static inline const struct table *varpro_table(const struct varpro *v, int lobe)
+/* The table of the geometry that column c of the lobes sees. */
+static inline const struct table *varpro_table(const struct varpro *v, int c)
 {
-    return &v->data->table[v->model->geometry[v->model->lobe[lobe].kind]];
+    return &v->data->table[v->model->geometry[model_kind_of(v->model, c)]];
+}
+
+/* Columns of the lobes. */
+static inline int varpro_moving(const struct varpro *v)
+{
+    return v->model->columns - v->model->fixed;
 }
 
 /* Sets v->model, too. */

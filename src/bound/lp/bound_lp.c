@@ -1,8 +1,8 @@
 /*
  * Bounds by linear programs: see bound_lp.h; theory section 3. SPDX-License-Identifier: MIT
  *
- * Every model of a box has lobe columns between two that are linear in one parameter (bound_lp_lobe.c), so a channel's
- * objective is at least the optimum of lp.h with columns a, and two for each lobe. That overshoots the centre by the
+ * Every model of a box has columns of lobes between two that are linear in one parameter (bound_lp_lobe.c), so a channel's
+ * objective is at least the optimum of lp.h with the fixed columns, and two for each column of a lobe. That overshoots the centre by the
  * square of the box's width, where the triangle inequality with the deviation from the centre costs its first power.
  * Channels add up in l1; in linf the largest counts.
  */
@@ -18,12 +18,13 @@ void brdffit_bound_lp_layout(struct bound_lp *e, struct arena *arena, size_t cou
                              const struct model *model, brdffit_norm norm)
 {
     int p, end;
+    int moving = model->columns - model->fixed;
 
-    brdffit_lp_layout(&e->lp, arena, count, (size_t)(COLUMNS_FIXED + 2 * model->lobes), norm);
+    brdffit_lp_layout(&e->lp, arena, count, (size_t)(model->fixed + 2 * moving), norm);
     for (p = 0; p < 3; p++) {
         e->phi[p] = ARENA_DOUBLES(arena, PADDED(count));
     }
-    for (p = 0; p < model->lobes; p++) {
+    for (p = 0; p < moving; p++) {
         for (end = 0; end < 2; end++) {
             e->lobe[p].upper[end] = ARENA_DOUBLES(arena, count);
             e->lobe[p].lower[end] = ARENA_DOUBLES(arena, count);
@@ -70,24 +71,31 @@ void brdffit_bound_lp_finish(struct bound_lp *e)
 static void open_channel(struct bound_lp *e, size_t k, double data_scale, struct lp_data *program)
 {
     const struct reduced *data = e->restricted->varpro->data;
-    double most = 2.0 * (1.0 + TOL_CURVATURE) * e->no_lobe[k] / data_scale, a = 0.0;
+    double most = 2.0 * (1.0 + TOL_CURVATURE) * e->no_lobe[k] / data_scale;
+    int c, end, F = data->fixed;
     size_t i;
-    int p, end;
 
     for (i = 0; i < data->rows; i++) {
         e->data[i] = data->row_value[k * data->used + i] / data_scale;
-        a = accumulate(e, a, data->row_a[i]);
     }
     program->data = e->data;
-    program->upper[0] = program->lower[0] = data->row_a;
-    program->limit[0] = a > 0.0 ? most / a : 0.0;
-    for (p = 0; p < e->restricted->varpro->model->lobes; p++) {
-        const struct bound_lp_lobe *lobe = &e->lobe[p];
+    for (c = 0; c < F; c++) {
+        const double *column = data->row_a + (size_t)c * data->used;
+        double a = 0.0;
+
+        for (i = 0; i < data->rows; i++) {
+            a = accumulate(e, a, column[i]);
+        }
+        program->upper[c] = program->lower[c] = column;
+        program->limit[c] = a > 0.0 ? most / a : 0.0;
+    }
+    for (c = 0; c < varpro_moving(e->restricted->varpro); c++) {
+        const struct bound_lp_lobe *lobe = &e->lobe[c];
 
         for (end = 0; end < 2; end++) {
-            program->upper[1 + 2 * p + end] = lobe->upper[end];
-            program->lower[1 + 2 * p + end] = lobe->lower[end];
-            program->limit[1 + 2 * p + end] = lobe->least > 0.0 ? most / lobe->least * lobe->scale[end] : 0.0;
+            program->upper[F + 2 * c + end] = lobe->upper[end];
+            program->lower[F + 2 * c + end] = lobe->lower[end];
+            program->limit[F + 2 * c + end] = lobe->least > 0.0 ? most / lobe->least * lobe->scale[end] : 0.0;
         }
     }
 }
@@ -97,17 +105,21 @@ static double relaxed_of(const struct bound_lp *e, const struct nnls_answer *ans
 {
     const struct varpro *v = e->restricted->varpro;
     double z[LP_COLUMNS], sum = 0.0;
+    int c, F = v->model->fixed;
     size_t i, j;
-    int p;
 
-    z[0] = answer->unit[0] > 0.0 ? answer->unit[0] / v->nnls.norm[0] / v->nnls.scale[0] : 0.0;
-    for (p = 0; p < v->model->lobes; p++) {
-        const struct bound_lp_lobe *lobe = &e->lobe[p];
-        double unit = answer->unit[1 + p];
-        double y = unit > 0.0 ? unit / v->nnls.norm[1 + p] / v->nnls.scale[1 + p] / lobe->tilt : 0.0;
+    for (c = 0; c < v->model->columns; c++) {
+        double unit = answer->unit[c], y = unit > 0.0 ? unit / v->nnls.norm[c] / v->nnls.scale[c] : 0.0;
 
-        z[1 + 2 * p] = y * (1.0 - lobe->place) * lobe->scale[0];
-        z[2 + 2 * p] = y * lobe->place * lobe->scale[1];
+        if (c < F) {
+            z[c] = y;
+        } else {
+            const struct bound_lp_lobe *lobe = &e->lobe[c - F];
+
+            y /= lobe->tilt;
+            z[F + 2 * (c - F)] = y * (1.0 - lobe->place) * lobe->scale[0];
+            z[F + 2 * (c - F) + 1] = y * lobe->place * lobe->scale[1];
+        }
     }
     for (i = 0; i < v->data->rows; i++) {
         double high = 0.0, low = 0.0;
@@ -151,24 +163,31 @@ static double solve(struct bound_lp *e, double target)
 double brdffit_bound_lp(struct bound_lp *e, struct box *box, struct point *met)
 {
     const struct varpro *v = e->restricted->varpro;
-    double target = box->bound, reachable = 0.0, low[SIDES_MOST], high[SIDES_MOST], charged;
+    double target = box->bound, reachable = 0.0, low[SIDES_MOST], high[SIDES_MOST], charged, change;
     struct varpro_value value;
     struct doubt doubt;
     struct lp_data program;
     size_t k;
-    int p;
+    int c, p;
 
     for (p = 0; p < v->model->lobes; p++) {
         brdffit_axis_ends(&e->axis[v->model->lobe[p].kind], box->interval[p], &low[p], &high[p]);
         met->theta[p] = 0.5 * (low[p] + high[p]);
-        brdffit_bound_lp_lobe(e, p, low[p], met->theta[p], high[p]);
+    }
+    for (c = 0; c < varpro_moving(v); c++) {
+        p = model_lobe_of(v->model, c);
+        brdffit_bound_lp_lobe(e, c, low[p], met->theta[p], high[p]);
     }
     doubt = brdffit_charge_box(v->data, v->model, low, high);
     charged = target + (doubt.error + doubt.hidden) * v->data->table[0].charge.root * (1.0 + 16.0 * TOL_UNIT);
     charged *= 1.0 + 16.0 * TOL_UNIT; /* what pays for the target */
     box->split = 0;
-    for (p = 1; p < v->model->lobes; p++) {
-        box->split = e->lobe[p].change > e->lobe[box->split].change ? (uint32_t)p : box->split;
+    change = e->lobe[0].change;
+    for (c = 1; c < varpro_moving(v); c++) {
+        if (e->lobe[c].change > change) {
+            change = e->lobe[c].change;
+            box->split = (uint32_t)model_lobe_of(v->model, c);
+        }
     }
     brdffit_l1_linf_evaluate(e->restricted, met, 0, &value);
     for (k = 0; k < v->data->channels; k++) {

@@ -29,7 +29,7 @@ struct bound_lp {
     double *data;      /* rows: a channel at about unit size */
     double *relaxed;   /* K: the program's objective at the centre's coefficients */
     double *no_lobe;   /* K: norm of the data */
-    struct bound_lp_lobe lobe[BRDFFIT_MAX_LOBES];
+    struct bound_lp_lobe lobe[MOVING_MOST]; /* of each column of the lobes */
     size_t decided;    /* boxes that needed no program */
 };
 

@@ -33,7 +33,7 @@ static const double *slopes_at(struct bound_lp *e, int p, double u)
 {
     const struct varpro *v = e->restricted->varpro;
     const struct table *table = varpro_table(v, p);
-    const struct lobe_kind *kind = model_kind(v->model, p);
+    const struct lobe_kind *kind = model_column_kind(v->model, p);
 
     if (kind->exponential) {
         return table->c;
@@ -46,7 +46,7 @@ static struct span open_span(struct bound_lp *e, int p, double low, double high)
 {
     const struct varpro *v = e->restricted->varpro;
     const struct table *table = varpro_table(v, p);
-    const struct lobe_kind *kind = model_kind(v->model, p);
+    const struct lobe_kind *kind = model_column_kind(v->model, p);
     double u[3], weight = 0.0, sum = 0.0, half;
     const double *x;
     struct span s;
@@ -145,7 +145,7 @@ void brdffit_bound_lp_lobe(struct bound_lp *e, int p, double low, double centre,
     lobe->change = change_of(e, lobe);
     /* phi falls and the tilt rises, so f >= b phi(u_1) times the tilt at u_0. */
     lobe->least = norm_of(e, lobe->upper[1], s.tilt[0] / s.tilt[1]) * (1.0 - TOL_CURVATURE - rows * 4.0 * TOL_UNIT);
-    model_kind(v->model, p)->variable(varpro_table(v, p)->c_min, centre, u);
+    model_column_kind(v->model, p)->variable(varpro_table(v, p)->c_min, centre, u);
     lobe->place = s.u[1] > s.u[0] ? fmin(1.0, fmax(0.0, (u[0] - s.u[0]) / (s.u[1] - s.u[0]))) : 0.0;
     lobe->tilt = kernel_exp(s.rate * (u[0] - s.u[2]));
     for (end = 0; end < 2; end++) {

@@ -45,14 +45,15 @@ void brdffit_bound_moment_start(struct bound_moment *e, const struct reduced *da
     brdffit_payment_start(&e->payment, data, model);
     brdffit_moments_start(&e->moments, data, model, kernels);
     for (kind = 0; kind < model->kinds; kind++) {
-        brdffit_intervals_start(&e->intervals[kind], &e->moments, kind);
+        brdffit_intervals_start(&e->intervals[kind], &e->moments, kind,
+                                kind < model->axes ? NULL : &e->intervals[kind - model->axes]);
     }
 }
 
 /* Refine an interval by its halves, these refined `depth` - 1 times before, as far as there are nodes to spare. */
 static struct interval *refined_side(struct bound_moment *e, int kind, uint32_t index, int depth)
 {
-    struct axis *axis = &e->axis[kind];
+    struct axis *axis = &e->axis[model_axis(e->model, kind)];
     struct interval *v = brdffit_interval(&e->intervals[kind], index, axis);
 
     if (v->refined < depth && axis->nodes < axis->node_capacity / 2) {
@@ -75,7 +76,7 @@ static double change_over(const struct interval *v)
 
 const struct interval *brdffit_bound_moment_side(struct bound_moment *e, int kind, uint32_t index, int depth)
 {
-    const struct interval *v = brdffit_interval(&e->intervals[kind], index, &e->axis[kind]);
+    const struct interval *v = brdffit_interval(&e->intervals[kind], index, &e->axis[model_axis(e->model, kind)]);
     int useful;
 
     if (v->refined >= depth) {
@@ -93,31 +94,33 @@ static double objective_below(const struct bound_moment *e, double gain)
     return bound > 0.0 ? bound : 0.0;
 }
 
-/* ---- a box: what follows has the number of sides S as a constant, in an instance for each ---- */
+/* ---- a box: what follows has the number of sides S as a constant, in an instance for each. So are F and Q, the fixed
+ * columns and those of a side, of the plain model; the others share instances that know them at run time ---- */
 
 #define INSTANCE static inline __attribute__((always_inline))
 
-/* A box: what bounds each of its sides, and all of them together. */
+/* A box: what bounds each of its columns, and all of them together. */
 struct view {
     struct bound_moment *engine;
-    const struct interval *side[SIDES_MOST];
-    int alike[SIDES_MOST];     /* whether the side before it is the same interval of the same kind */
-    double least[COSINES(SIDES_MOST)]; /* infimum of each cosine */
-    struct gains gains;        /* as they are at the corners */
+    const struct interval *column[MOVING_MOST]; /* of each column of a side, those of one side together */
+    int alike[SIDES_MOST]; /* whether the side before it is the same interval of the same kind */
+    double least[COSINES(COLUMNS_MOST)]; /* infimum of each cosine */
+    struct gains gains; /* as they are at the corners */
 };
 
-INSTANCE struct sides sides_of(const struct view *v, int p, int q)
+INSTANCE struct sides sides_of(const struct view *v, int c, int d)
 {
     const struct model *model = v->engine->model;
-    const struct sides s = {&v->engine->moments, {model->lobe[p].kind, model->lobe[q].kind}, {v->side[p], v->side[q]}};
+    const struct sides s = {
+        &v->engine->moments, {model_kind_of(model, c), model_kind_of(model, d)}, {v->column[c], v->column[d]}};
 
     return s;
 }
 
-/* mu of sides p < q at the corners, how far it falls, and its infimum. */
-INSTANCE void open_pair(struct view *v, int p, int q, int entry)
+/* mu of columns c < d of different sides at the corners, how far it falls, and its infimum. */
+INSTANCE void open_pair(struct view *v, int c, int d, int entry)
 {
-    const struct sides s = sides_of(v, p, q);
+    const struct sides s = sides_of(v, c, d);
     int same = s.side[0] == s.side[1], corner;
 
     for (corner = 0; corner < 4; corner++) {
@@ -129,62 +132,106 @@ INSTANCE void open_pair(struct view *v, int p, int q, int entry)
     v->gains.fall[entry][1] = same ? v->gains.fall[entry][0] : brdffit_pair_shift(&s, 1, v->least[entry]);
 }
 
-INSTANCE void open_side(struct view *v, const struct box *box, int p, int depth)
+/* An entry that one side moves: its ends, how far it falls, and its infimum. */
+INSTANCE void open_entry(struct view *v, int entry, double low, double high, double fall, double least)
 {
-    const struct model_lobe *lobe = &v->engine->model->lobe[p];
-    const struct interval *s = brdffit_bound_moment_side(v->engine, lobe->kind, box->interval[p], depth);
-    struct gains *g = &v->gains;
-
-    v->side[p] = s;
-    v->alike[p] = p > 0 && p > lobe->first && v->side[p - 1] == s;
-    v->least[p] = s->kappa_inf;
-    g->tau[p][0] = s->low->tau;
-    g->tau[p][1] = s->high->tau;
-    g->shift[p] = s->tau_shift;
-    g->cosine[p][0] = s->low->kappa;
-    g->cosine[p][1] = s->high->kappa;
-    g->fall[p][0] = s->kappa_shift;
-    g->fall[p][1] = 0.0;
+    v->gains.cosine[entry][0] = low;
+    v->gains.cosine[entry][1] = high;
+    v->gains.fall[entry][0] = fall;
+    v->gains.fall[entry][1] = 0.0;
+    v->least[entry] = least;
 }
 
-INSTANCE void open_view(struct view *v, struct bound_moment *e, const struct box *box, int depth, const int S)
+/* Column c of the sides against the fixed ones and the data. */
+INSTANCE void open_column(struct view *v, const struct box *box, int c, int depth, const int F, const int Q,
+                          const int S)
 {
-    int p, q, entry;
+    const struct model *model = v->engine->model;
+    const int n = F + Q * S, p = c / Q;
+    const struct interval *s = brdffit_bound_moment_side(v->engine, model->lobe[p].kind + c % Q * model->axes,
+                                                         box->interval[p], depth);
+    struct gains *g = &v->gains;
+    int f;
 
-    v->engine = e;
-    v->gains.channels = e->moments.data->bounded;
-    v->gains.omega = e->moments.omega;
-    for (p = 0; p < S; p++) {
-        open_side(v, box, p, depth);
+    v->column[c] = s;
+    g->tau[c][0] = s->low->tau;
+    g->tau[c][1] = s->high->tau;
+    g->shift[c] = s->tau_shift;
+    for (f = 0; f < F; f++) {
+        open_entry(v, COSINE(n, f, F + c), s->low->kappa[f], s->high->kappa[f], s->kappa_shift[f], s->kappa_inf[f]);
     }
-    for (p = 0, entry = S; p < S; p++) {
-        for (q = p + 1; q < S; q++, entry++) {
-            open_pair(v, p, q, entry);
+    if (c % Q == 0) {
+        v->alike[p] = c >= Q && p > model->lobe[p].first && v->column[c - Q] == s;
+    } else {
+        open_entry(v, COSINE(n, F + c - 1, F + c), s->beside[0], s->beside[1], s->beside_shift, s->beside_inf);
+    }
+}
+
+INSTANCE void open_fixed(struct view *v, const int F, const int n)
+{
+    const struct moments *m = &v->engine->moments;
+    int f, g;
+
+    for (f = 0; f < F; f++) {
+        v->gains.omega[f] = m->omega[f];
+        for (g = f + 1; g < F; g++) {
+            open_entry(v, COSINE(n, f, g), m->fixed[f][g], m->fixed[f][g], 0.0, m->fixed[f][g]);
         }
     }
 }
 
-/* Whether shifts may be used: those of intervals, and of pairs, which LIMIT_SHIFT covers too. */
-INSTANCE int usable(const struct view *v, const int S)
+INSTANCE void open_view(struct view *v, struct bound_moment *e, const struct box *box, int depth, const int F,
+                        const int Q, const int S)
 {
-    int fine = 1, i;
+    const int n = F + Q * S;
+    int c, d;
 
-    for (i = 0; i < S; i++) {
-        fine = fine && v->side[i]->usable;
+    v->engine = e;
+    v->gains.channels = e->moments.data->bounded;
+    open_fixed(v, F, n);
+    for (c = 0; c < Q * S; c++) {
+        open_column(v, box, c, depth, F, Q, S);
     }
-    for (i = S; i < COSINES(S); i++) {
-        fine = fine && fabs(v->gains.fall[i][0]) <= LIMIT_SHIFT && fabs(v->gains.fall[i][1]) <= LIMIT_SHIFT;
+    for (c = 0; c < Q * S; c++) {
+        for (d = (c / Q + 1) * Q; d < Q * S; d++) {
+            open_pair(v, c, d, COSINE(n, F + c, F + d));
+        }
+    }
+}
+
+/* Whether columns i < j belong to two sides. */
+INSTANCE int of_two_sides(int i, int j, const int F, const int Q)
+{
+    return i >= F && (i - F) / Q != (j - F) / Q;
+}
+
+/* Whether shifts may be used: those of intervals, and of pairs, which LIMIT_SHIFT covers too. */
+INSTANCE int usable(const struct view *v, const int F, const int Q, const int S)
+{
+    const int n = F + Q * S;
+    int fine = 1, i, j;
+
+    for (i = 0; i < Q * S; i++) {
+        fine = fine && v->column[i]->usable;
+    }
+    for (i = F; i < n; i++) {
+        for (j = i + 1; j < n; j++) {
+            const double *fall = v->gains.fall[COSINE(n, i, j)];
+
+            fine = fine &&
+                   (!of_two_sides(i, j, F, Q) || (fabs(fall[0]) <= LIMIT_SHIFT && fabs(fall[1]) <= LIMIT_SHIFT));
+        }
     }
     return fine;
 }
 
-/* Whether the shifts would push entry i below 0 at some corner. */
-INSTANCE int sinks(const struct view *v, int i, const int S)
+/* Whether the shifts would push an entry below 0 at some corner. */
+INSTANCE int sinks(const struct view *v, int entry, int two)
 {
-    const double *cosine = v->gains.cosine[i], *fall = v->gains.fall[i];
+    const double *cosine = v->gains.cosine[entry], *fall = v->gains.fall[entry];
     double lowest = smaller(cosine[0], cosine[1]), most = larger(fall[0], 0.0);
 
-    if (i >= S) {
+    if (two) {
         lowest = smaller(lowest, smaller(cosine[2], cosine[3]));
         most += larger(fall[1], 0.0);
     }
@@ -192,55 +239,54 @@ INSTANCE int sinks(const struct view *v, int i, const int S)
 }
 
 /* Such entries become their infimum in *safe, a copy of the gains, when there are any. Returns how many. */
-INSTANCE int make_constant(const struct view *v, struct gains *safe, const int S)
+INSTANCE int make_constant(const struct view *v, struct gains *safe, const int F, const int Q, const int S)
 {
-    int c, i, constants = 0;
+    const int n = F + Q * S;
+    int corner, i, j, entry = 0, constants = 0;
 
-    for (i = 0; i < COSINES(S); i++) {
-        if (!sinks(v, i, S)) {
-            continue;
+    for (i = 0; i < n; i++) {
+        for (j = i + 1; j < n; j++, entry++) {
+            if (j < F || !sinks(v, entry, of_two_sides(i, j, F, Q))) {
+                continue;
+            }
+            if (constants++ == 0) {
+                *safe = v->gains;
+            }
+            for (corner = 0; corner < 4; corner++) {
+                safe->cosine[entry][corner] = v->least[entry];
+            }
+            safe->fall[entry][0] = safe->fall[entry][1] = 0.0;
         }
-        if (constants++ == 0) {
-            *safe = v->gains;
-        }
-        for (c = 0; c < 4; c++) {
-            safe->cosine[i][c] = v->least[i];
-        }
-        safe->fall[i][0] = safe->fall[i][1] = 0.0;
     }
     return constants;
 }
 
 /* Every tau at its supremum, every cosine at its infimum. */
-INSTANCE double monotone(const struct view *v, const int S)
+INSTANCE double monotone(const struct view *v, const int F, const int Q, const int S)
 {
-    double sum = 0.0, cosine[COSINES(SIDES_MOST)], t[COLUMNS_MOST];
-    int p, q, entry = S, e = 0;
+    const int n = F + Q * S;
+    double sum = 0.0, t[COLUMNS_MOST];
     size_t k;
+    int c;
 
-    for (p = 0; p < S; p++) { /* of the Gram matrix: the fixed column's row first, then pairs */
-        cosine[e++] = v->least[p];
-    }
-    for (p = 0; p < S; p++) {
-        for (q = p + 1; q < S; q++) {
-            cosine[e++] = v->least[entry++];
-        }
-    }
     for (k = 0; k < v->gains.channels; k++) {
-        t[0] = v->gains.omega[k];
-        for (p = 0; p < S; p++) {
-            t[1 + p] = v->side[p]->tau_sup[k];
+        for (c = 0; c < F; c++) {
+            t[c] = v->gains.omega[c][k];
         }
-        sum += brdffit_nnls_gain(1 + S, cosine, t);
+        for (c = 0; c < n - F; c++) {
+            t[F + c] = v->column[c]->tau_sup[k];
+        }
+        sum += brdffit_nnls_gain(n, v->least, t);
     }
     return sum;
 }
 
 INSTANCE double coordinate(const struct view *v, int p, int high)
 {
-    const struct axis *axis = &v->engine->axis[v->engine->model->lobe[p].kind];
+    const struct model *model = v->engine->model;
+    const struct interval *side = v->column[p * model->each];
 
-    return axis->coordinate[high ? v->side[p]->high_index : v->side[p]->low_index];
+    return v->engine->axis[model->lobe[p].kind].coordinate[high ? side->high_index : side->low_index];
 }
 
 /* Whether a corner mirrors one that has its high ends at later sides. */
@@ -282,7 +328,7 @@ INSTANCE int narrow(const struct view *v, const int S)
     int i;
 
     for (i = 0; i < S; i++) {
-        change += change_over(v->side[i]);
+        change += change_over(v->column[i * v->engine->model->each]);
     }
     return change < MONOTONE_LEAST;
 }
@@ -325,20 +371,20 @@ static uint32_t most_lifted(const double *lift, int sides)
  * maximum between them, nor which side to split. Returns the best objective met, 0 or more shifts usable in *lifts.
  */
 INSTANCE double bound_view(const struct view *v, struct box *box, double cutoff, struct point *met, double *lift,
-                           int *chords, const int S)
+                           int *chords, const int F, const int Q, const int S)
 {
     const struct kernels *kernels = v->engine->moments.kernels;
     double gain[GAINS(SIDES_MOST)], best;
 
-    *chords = usable(v, S);
-    kernels->gains[S - 1](&v->gains, *chords, gain);
+    *chords = usable(v, F, Q, S);
+    kernels->gains[F - 1][Q - 1][S - 1](&v->gains, *chords, gain);
     best = meet_corners(v, gain, met, S);
     box->bound = 0.0;
     if (*chords) {
         struct gains safe;
 
-        if (make_constant(v, &safe, S)) {
-            kernels->gains[S - 1](&safe, 1, gain);
+        if (make_constant(v, &safe, F, Q, S)) {
+            kernels->gains[F - 1][Q - 1][S - 1](&safe, 1, gain);
         }
         box->bound = objective_below(v->engine, largest_of(gain, GAINS(S)));
         if (!(box->bound >= cutoff)) {
@@ -350,18 +396,18 @@ INSTANCE double bound_view(const struct view *v, struct box *box, double cutoff,
 
 /* One side: refined step by step as long as the box stays open, whose halves are needed then anyway. */
 INSTANCE double bound_refining(struct bound_moment *e, struct box *box, double cutoff, struct point *met,
-                               struct view *v)
+                               struct view *v, const int F, const int Q)
 {
     double best, lift[SIDES_MOST], bound;
     int depth, chords;
 
-    open_view(v, e, box, 0, 1);
-    best = bound_view(v, box, cutoff, met, lift, &chords, 1);
+    open_view(v, e, box, 0, F, Q, 1);
+    best = bound_view(v, box, cutoff, met, lift, &chords, F, Q, 1);
     for (depth = 1; depth <= 2 && !(box->bound >= cutoff); depth++) {
         bound = box->bound;
         if (brdffit_bound_moment_side(e, e->model->lobe[0].kind, box->interval[0], depth)->refined == depth) {
-            open_view(v, e, box, depth, 1);
-            best = bound_view(v, box, cutoff, met, lift, &chords, 1);
+            open_view(v, e, box, depth, F, Q, 1);
+            best = bound_view(v, box, cutoff, met, lift, &chords, F, Q, 1);
             box->bound = larger(box->bound, bound);
         }
     }
@@ -369,24 +415,25 @@ INSTANCE double bound_refining(struct bound_moment *e, struct box *box, double c
     return best;
 }
 
-INSTANCE double bound_sides(struct bound_moment *e, struct box *box, struct point *met, const int S)
+INSTANCE double bound_sides(struct bound_moment *e, struct box *box, struct point *met, const int F, const int Q,
+                            const int S)
 {
     double cutoff = box->bound, best, lift[SIDES_MOST], vertex;
     struct view v;
     int chords = 0;
 
     if (S == 1) {
-        best = bound_refining(e, box, cutoff, met, &v);
+        best = bound_refining(e, box, cutoff, met, &v, F, Q);
     } else {
-        open_view(&v, e, box, 2, S);
-        best = bound_view(&v, box, cutoff, met, lift, &chords, S);
+        open_view(&v, e, box, 2, F, Q, S);
+        best = bound_view(&v, box, cutoff, met, lift, &chords, F, Q, S);
     }
     vertex = box->bound;
     if (vertex >= cutoff) {
         return best;
     }
     if (S == 1 || !narrow(&v, S)) {
-        box->bound = larger(vertex, objective_below(e, monotone(&v, S)));
+        box->bound = larger(vertex, objective_below(e, monotone(&v, F, Q, S)));
     }
     /* Split the side whose shift costs most at a corner; the widest one where the chord is useless. */
     box->split = chords && vertex == box->bound ? most_lifted(lift, S) : widest(&v, S);
@@ -405,12 +452,26 @@ static struct doubt box_doubt(const struct bound_moment *e, const struct box *bo
     return brdffit_charge_box(e->moments.data, e->model, low, high);
 }
 
-static double bound_box(struct bound_moment *e, struct box *box, struct point *met)
+static double bound_plain(struct bound_moment *e, struct box *box, struct point *met)
 {
     switch (e->model->sides) {
-    case 1: return bound_sides(e, box, met, 1);
-    case 2: return bound_sides(e, box, met, 2);
-    default: return bound_sides(e, box, met, 3);
+    case 1: return bound_sides(e, box, met, 1, 1, 1);
+    case 2: return bound_sides(e, box, met, 1, 1, 2);
+    default: return bound_sides(e, box, met, 1, 1, 3);
+    }
+}
+
+static double bound_box(struct bound_moment *e, struct box *box, struct point *met)
+{
+    const int fixed = e->model->fixed, each = e->model->each;
+
+    if (fixed == 1 && each == 1) {
+        return bound_plain(e, box, met);
+    }
+    switch (e->model->sides) {
+    case 1: return bound_sides(e, box, met, fixed, each, 1);
+    case 2: return bound_sides(e, box, met, fixed, each, 2);
+    default: return bound_sides(e, box, met, fixed, each, 3);
     }
 }
 

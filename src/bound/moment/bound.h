@@ -10,7 +10,7 @@
 
 struct bound_moment {
     const struct model *model;
-    struct axis *axis; /* one a kind; refinement of an interval splits it ahead of the search */
+    struct axis *axis; /* one a kind of first columns; refinement of an interval splits it ahead of the search */
     struct moments moments;
     struct intervals intervals[KINDS_MOST];
     struct payment payment; /* for the rounding of the geometry */

@@ -89,7 +89,7 @@ static void open_pair(struct moments *m, struct spot *s, int p, int q)
 
 static void open_spot(struct moments *m, int lobes, const struct point *at, struct spot *s)
 {
-    double inverse_a = m->data->aa > 0.0 ? 1.0 / sqrt(m->data->aa) : 0.0, cosine[NNLS_COLUMNS][NNLS_COLUMNS];
+    double inverse_a = m->inverse_a[0], cosine[NNLS_COLUMNS][NNLS_COLUMNS];
     int p, q;
 
     for (p = 0; p < lobes; p++) {
@@ -156,8 +156,7 @@ static void add_channel(const struct descender *d, const struct spot *s, size_t 
     struct nnls_support room;
     int lobes = d->model->lobes, p, q, i;
 
-    t[0] = m->data->aa > 0.0 ? m->data->bound_root[k] * m->data->ai[m->data->bound_channel[k]] / sqrt(m->data->aa)
-                             : 0.0;
+    t[0] = m->data->bound_root[k] * m->data->ai[m->data->bound_channel[k]] * m->inverse_a[0];
     for (p = 0; p < lobes; p++) {
         tau[p] = tau_of(m, s->node[p], k);
         t[1 + p] = tau[p].value;

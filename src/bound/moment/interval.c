@@ -45,8 +45,9 @@ void brdffit_intervals_layout(struct intervals *t, struct arena *arena, size_t c
     t->pool = brdffit_arena_take(arena, capacity, 2 * channels * sizeof(double));
 }
 
-void brdffit_intervals_start(struct intervals *t, struct moments *moments, int kind)
+void brdffit_intervals_start(struct intervals *t, struct moments *moments, int kind, struct intervals *first)
 {
+    t->first = first;
     t->moments = moments;
     t->kind = kind;
     t->exponential = moments->kind[kind].kind->exponential;
@@ -125,8 +126,12 @@ static struct enclosure functional_curvature(const struct intervals *t, const st
 /* Whether the shifts are of use (LIMIT_SHIFT). */
 static int usable(const struct intervals *t, const struct interval *v)
 {
-    int fine = fabs(v->kappa_shift) <= LIMIT_SHIFT;
+    int fine = !t->first || fabs(v->beside_shift) <= LIMIT_SHIFT, f;
     size_t k;
+
+    for (f = 0; f < t->moments->data->fixed; f++) {
+        fine = fine && fabs(v->kappa_shift[f]) <= LIMIT_SHIFT;
+    }
 
     for (k = 0; k < t->moments->data->bounded && fine; k++) {
         fine = fabs(v->tau_shift[k]) <= LIMIT_SHIFT * t->moments->norm[k];
@@ -138,31 +143,32 @@ static int usable(const struct intervals *t, const struct interval *v)
 static void fill(struct intervals *t, struct interval *v)
 {
     const struct reduced *data = t->moments->data;
-    double a_norm = sqrt(data->aa), epsilon = larger(v->low->epsilon, v->high->epsilon);
+    double epsilon = larger(v->low->epsilon, v->high->epsilon);
     double width = v->high->u - v->low->u;
     struct enclosure curvature = own_curvature(t, v), e;
-    size_t k, K = data->bounded;
-    int negative = data->functionals > 1 + K;
+    size_t k, f, K = data->bounded, F = (size_t)data->fixed;
+    int negative = data->functionals > F + K;
 
     v->eighth = UP * (width * width / 8.0);
     v->curvature = curvature.low;
-    v->kappa_inf = 0.0;
-    v->kappa_shift = 0.0;
-    if (data->aa > 0.0) {
-        double kappa_inf = v->high->functional[0].f0 / v->low->root / a_norm;
+    for (f = 0; f < F; f++) {
+        v->kappa_inf[f] = v->kappa_shift[f] = 0.0;
+        if (data->aa[f][f] > 0.0) {
+            double a_norm = sqrt(data->aa[f][f]), kappa_inf = v->high->functional[f].f0 / v->low->root / a_norm;
 
-        e = functional_curvature(t, v, 0, curvature);
-        v->kappa_inf = larger(0.0, kappa_inf - epsilon);
-        v->kappa_shift = v->eighth * smaller(e.high / a_norm, v->root_m4 - DOWN * (curvature.low * kappa_inf));
+            e = functional_curvature(t, v, f, curvature);
+            v->kappa_inf[f] = larger(0.0, kappa_inf - epsilon);
+            v->kappa_shift[f] = v->eighth * smaller(e.high / a_norm, v->root_m4 - DOWN * (curvature.low * kappa_inf));
+        }
     }
     for (k = 0; k < K; k++) {
-        double sup = v->low->functional[1 + k].f0 / v->high->root, curved;
+        double sup = v->low->functional[F + k].f0 / v->high->root, curved;
 
-        e = functional_curvature(t, v, 1 + k, curvature);
+        e = functional_curvature(t, v, F + k, curvature);
         curved = -e.low;
         if (negative) {
-            sup -= v->high->functional[1 + K + k].f0 / v->low->root;
-            e = functional_curvature(t, v, 1 + K + k, curvature);
+            sup -= v->high->functional[F + K + k].f0 / v->low->root;
+            e = functional_curvature(t, v, F + K + k, curvature);
             curved += e.high;
         }
         v->tau_sup[k] = sup + epsilon * t->moments->norm[k];
@@ -175,10 +181,13 @@ static void fill(struct intervals *t, struct interval *v)
 static void fill_point(const struct intervals *t, struct interval *v)
 {
     size_t k;
+    int f;
 
     v->eighth = 0.0;
-    v->kappa_shift = 0.0;
-    v->kappa_inf = larger(0.0, v->low->kappa);
+    for (f = 0; f < t->moments->data->fixed; f++) {
+        v->kappa_shift[f] = 0.0;
+        v->kappa_inf[f] = larger(0.0, v->low->kappa[f]);
+    }
     v->curvature = 0.0;
     v->root_m4 = 0.0;
     v->usable = 1;
@@ -186,6 +195,39 @@ static void fill_point(const struct intervals *t, struct interval *v)
         v->tau_shift[k] = 0.0;
         v->tau_sup[k] = v->low->tau[k];
     }
+}
+
+/*
+ * The cosine m of the two columns of one lobe, which share phi: with x about the same origin, means X1 and X2 of it, and
+ * W = b1 b2 summed, (ln g1^ g2^)' = -(2 x - X1 - X2), so that
+ *
+ *     m'' = sum W phi^2 / (sqrt(H1) sqrt(H2)) [(2 x - X1 - X2)^2 + 2 slope]  -  m sum over both of [E slope + 2 Var x]
+ *
+ * where the bracket is 4 (x - X)^2 + 2 slope about the mean X of the two. Upper ends as above.
+ */
+static void fill_beside(const struct intervals *t, struct interval *v, const struct interval *first)
+{
+    const struct couple low = {{t->first->kind, t->kind}, {v->low_index, v->low_index}};
+    const struct couple high = {{t->first->kind, t->kind}, {v->high_index, v->high_index}};
+    const struct pair *pair = brdffit_moments_pair(t->moments, &low);
+    double least, curved, norms = v->high->root * first->high->root, wide = v->low->root * first->low->root, mu, value;
+
+    v->beside[0] = pair->mu;
+    value = pair->value;
+    curved = norms > 0.0 ? brdffit_family_beside(t->moments, t->kind, v, first, pair) / norms : 0.0;
+    pair = brdffit_moments_pair(t->moments, &high);
+    mu = pair->mu;
+    v->beside[1] = mu;
+    v->beside_shift = 0.0;
+    v->beside_inf = larger(0.0, smaller(v->beside[0], mu));
+    if (!(v->eighth > 0.0) || !(value > 0.0)) {
+        return;
+    }
+    /* mu has the allowance for its sum; the nodes have that of their norms. */
+    least = wide > 0.0 ? mu * (norms / wide) * DOWN : 0.0;
+    least -= 2.0 * larger(larger(v->low->epsilon, v->high->epsilon), larger(first->low->epsilon, first->high->epsilon));
+    v->beside_inf = larger(0.0, least);
+    v->beside_shift = v->eighth * (UP * curved - DOWN * ((v->curvature + first->curvature) * v->beside_inf));
 }
 
 void brdffit_interval_fill(struct intervals *t, uint32_t index, const struct axis *axis)
@@ -206,6 +248,10 @@ void brdffit_interval_fill(struct intervals *t, uint32_t index, const struct axi
     } else {
         fill_point(t, v);
     }
+    if (t->first) {
+        fill_beside(t, v, brdffit_interval(t->first, index, axis));
+        v->usable = v->usable && usable(t, v);
+    }
 }
 
 /* The shift of the whole from its halves; `middle`: D(m), with its rounding. */
@@ -223,14 +269,22 @@ void brdffit_interval_refine(struct intervals *t, struct interval *v, const stru
     double rounding = 4.0 * larger(v->low->epsilon, larger(v->high->epsilon, left->high->epsilon));
     const struct node *low = v->low, *high = v->high, *middle = left->high;
     size_t k;
+    int f;
 
     /* m itself is rounded: its error times the rise along the chord is far below the rounding of the values. */
     if (!(m >= 0.01 && m <= 0.99)) {
         return;
     }
-    shift = joined(m, rest * low->kappa + m * high->kappa - middle->kappa + rounding, left->kappa_shift,
-                   right->kappa_shift);
-    v->kappa_shift = smaller(v->kappa_shift, shift);
+    for (f = 0; f < t->moments->data->fixed; f++) {
+        shift = joined(m, rest * low->kappa[f] + m * high->kappa[f] - middle->kappa[f] + rounding, left->kappa_shift[f],
+                       right->kappa_shift[f]);
+        v->kappa_shift[f] = smaller(v->kappa_shift[f], shift);
+    }
+    if (t->first) {
+        shift = joined(m, rest * v->beside[0] + m * v->beside[1] - left->beside[1] + 2.0 * rounding, left->beside_shift,
+                       right->beside_shift);
+        v->beside_shift = smaller(v->beside_shift, shift);
+    }
     for (k = 0; k < t->moments->data->bounded; k++) {
         double above = middle->tau[k] - (rest * low->tau[k] + m * high->tau[k]) + rounding * t->moments->norm[k];
 

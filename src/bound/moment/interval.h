@@ -14,28 +14,31 @@ struct interval {
     const struct node *low, *high;
     uint32_t low_index, high_index;
     double eighth;      /* (u_high - u_low)^2 / 8 */
-    double kappa_shift; /* signed: kappa may fall below its chord by this much at most */
-    double kappa_inf;   /* >= 0 */
-    double curvature;   /* inf of the term that a lobe's own norm contributes to second derivatives:
+    double kappa_shift[FIXED_MOST]; /* signed: kappa may fall below its chord by this much at most */
+    double kappa_inf[FIXED_MOST];   /* >= 0 */
+    double beside[2], beside_shift, beside_inf; /* of second columns: the same of their cosine with the first ones, with
+                                                   its values at both ends */
+    double curvature; /* inf of the term that a lobe's own norm contributes to second derivatives:
                            2 m2 for exponential lobes, mean slope + 2 variance in general */
-    double root_m4;     /* sup sqrt(m4); infinity for lobes that are not exponential */
-    double *tau_shift;  /* K, signed: tau may exceed its chord by this much at most */
-    double *tau_sup;    /* K */
-    int usable;         /* whether the shifts are finite and within LIMIT_SHIFT */
-    int refined;        /* how often brdffit_interval_refine() has halved it */
+    double root_m4; /* sup sqrt(m4); infinity for lobes that are not exponential */
+    double *tau_shift; /* K, signed: tau may exceed its chord by this much at most */
+    double *tau_sup; /* K */
+    int usable; /* whether the shifts are finite and within LIMIT_SHIFT */
+    int refined; /* how often brdffit_interval_refine() has halved it */
 };
 
 /* Those of one kind of lobe. */
 struct intervals {
     struct moments *moments;
     int kind, exponential;
+    struct intervals *first; /* of the first columns, where these are of the second ones; or NULL */
     struct interval *interval;
     struct marks ready;
     double *pool;
 };
 
 void brdffit_intervals_layout(struct intervals *intervals, struct arena *arena, size_t capacity, size_t channels);
-void brdffit_intervals_start(struct intervals *intervals, struct moments *moments, int kind);
+void brdffit_intervals_start(struct intervals *intervals, struct moments *moments, int kind, struct intervals *first);
 
 /* Interval `index` between two nodes of the axis: see brdffit_interval(). */
 void brdffit_interval_fill(struct intervals *intervals, uint32_t index, const struct axis *axis);
@@ -55,7 +58,7 @@ static inline void brdffit_interval_forget(struct intervals *t, uint32_t index)
     marks_clear(&t->ready, index);
 }
 
-/* Tighten kappa_shift and every tau_shift by the two halves of the interval, which share the node in between. */
+/* Tighten every shift by the two halves of the interval, which share the node in between. */
 void brdffit_interval_refine(struct intervals *intervals, struct interval *whole, const struct interval *left,
                              const struct interval *right);
 

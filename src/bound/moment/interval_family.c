@@ -62,3 +62,35 @@ double brdffit_family_pair(const struct sides *b, int which, double least)
 
     return UP * above / (b->side[0]->high->root * b->side[1]->high->root) - DOWN * (b->side[which]->curvature * least);
 }
+
+/* Exponential lobes: x is c', the sum about any mean follows from the pair's moments, and it is convex in that mean. */
+static double beside_exponential(const struct interval *second, const struct interval *first, const struct pair *low)
+{
+    double middle_low = 0.5 * (second->low->mean + first->low->mean);
+    double middle_high = 0.5 * (second->high->mean + first->high->mean);
+    double d = low->mean - middle_low, e = low->mean - middle_high;
+
+    d *= d;
+    e *= e;
+    return 4.0 * low->value * (low->variance + (d > e ? d : e));
+}
+
+double brdffit_family_beside(struct moments *m, int kind, const struct interval *second, const struct interval *first,
+                             const struct pair *low)
+{
+    const double *phi_l, *phi_u, *w;
+    struct local at;
+    double sum[2];
+
+    if (m->kind[kind].kind->exponential) {
+        return beside_exponential(second, first, low);
+    }
+    phi_l = brdffit_moments_shape(m, kind, second->low, m->scratch);
+    phi_u = brdffit_moments_shape(m, kind, second->high, m->scratch + m->data->stride);
+    w = reduced_cross(m->data, m->kind[kind].geometry, m->kind[kind].geometry - m->data->bases);
+    at = local_of(m, kind, second);
+    at.mean_low = 0.5 * (second->low->mean + first->low->mean);
+    at.mean_high = 0.5 * (second->high->mean + first->high->mean);
+    m->kernels->curvature(w, phi_l, phi_u, &at, m->data->stride, sum);
+    return 2.0 * sum[1];
+}

@@ -17,4 +17,9 @@ void brdffit_family_functional(struct moments *moments, int kind, const struct i
 /* sup of the second derivative of mu by the variable of one side; mu >= least. */
 double brdffit_family_pair(const struct sides *sides, int which, double least);
 
+/* sum W phi^2 [4 (x - X)^2 + 2 slope] over the interval, W = b1 b2 of the two columns of a lobe (interval.c), from above.
+ * `low`: their pair at the low end. */
+double brdffit_family_beside(struct moments *moments, int kind, const struct interval *second,
+                             const struct interval *first, const struct pair *low);
+
 #endif

@@ -2,7 +2,7 @@
  * Engine `socp`: see bound_socp.h; theory section 3, the paper's Problem 5. SPDX-License-Identifier: MIT
  *
  * For a box of roughness with centre s-, unit columns A of the model at s-, and e_p = |sup |g_p(s) - g_p(s-)|| the
- * deviation of lobe p over the box (sup taken sample by sample), every model of the box obeys
+ * deviation of column p of the lobes over the box (sup taken sample by sample), every model of the box obeys
  *
  *     |I - model(s)|  >=  |I - A z| - sum_p e_p sum_k z_kp
  *
@@ -11,8 +11,8 @@
  *     minimise r - sum_p e_p sum_k z_kp   subject to   |I - A z| <= r,  z >= 0
  *
  * bounds the root of the objective from below: this is Problem 5 with s + eps_min for its optimum, asked once for
- * all thresholds. A = Q R turns N rows into 1 + P a channel and one constant (the part outside the span): the cone has
- * dimension 2 + K (1 + P) whatever N is.
+ * all thresholds. A = Q R turns N rows into n a channel and one constant (the part outside the span): the cone has
+ * dimension 2 + K n whatever N is, n the columns of the model.
  *
  * Lobes are taken without the scalar lambda(s) exp(-c_min s), which only rescales y: the cone of models is the same,
  * every b phi(s, c) then falls with s, so that the sup over a box is exactly the larger of the two end differences
@@ -28,17 +28,16 @@
 #include "base/tolerance.h"
 #include "base/vector.h"
 
-/* Rows and columns of the program: r, then a group of 1 + P coefficients a channel. */
-static size_t coefficients(size_t channels, int lobes)
+/* Rows and columns of the program: r, then a group of n coefficients a channel, one a column of the model. */
+static size_t coefficients(size_t channels, const struct model *model)
 {
-    return channels * (size_t)(1 + lobes);
+    return channels * (size_t)model->columns;
 }
 
 void brdffit_bound_socp_layout(struct bound_socp *e, struct arena *arena, size_t count, size_t channels,
                                const struct model *model)
 {
-    int lobes = model->lobes;
-    size_t n = 1 + coefficients(channels, lobes), rows = 2 * n, entries = 1 + (n - 1) * (size_t)(3 + lobes), i;
+    size_t n = 1 + coefficients(channels, model), rows = 2 * n, entries = 1 + (n - 1) * (size_t)(2 + model->columns), i;
 
     for (i = 0; i < 3; i++) {
         e->shape[i] = ARENA_DOUBLES(arena, PADDED(count));
@@ -62,8 +61,7 @@ void brdffit_bound_socp_layout(struct bound_socp *e, struct arena *arena, size_t
  */
 static void make_pattern(struct bound_socp *e)
 {
-    size_t group = (size_t)(1 + e->varpro->model->lobes),
-           n = 1 + coefficients(e->varpro->data->channels, e->varpro->model->lobes);
+    size_t group = (size_t)e->varpro->model->columns, n = 1 + coefficients(e->varpro->data->channels, e->varpro->model);
     size_t entry = 0, j, i;
 
     e->column[0] = 0;
@@ -110,19 +108,19 @@ void brdffit_bound_socp_finish(struct bound_socp *e)
     e->solver = NULL;
 }
 
-/* What the box needs of one lobe. */
+/* What the box needs of one column of a lobe. */
 struct deviation {
     double size;     /* e_p, in units of the column at the centre */
     double ratio;    /* |g(centre)| / |g(high end)|: how far z may exceed |I_k| */
     double rounding; /* of any column of the box by its exponents, in the same units */
 };
 
-/* Shapes of lobe p at the ends and the centre; u at both ends into `ends`. */
-static void fill_shapes(const struct bound_socp *e, int p, const double theta[3], double ends[2])
+/* Shapes of column c at the ends and the centre; u at both ends into `ends`. */
+static void fill_shapes(const struct bound_socp *e, int c, const double theta[3], double ends[2])
 {
     const struct varpro *v = e->varpro;
-    const struct lobe_kind *kind = model_kind(v->model, p);
-    const struct table *table = varpro_table(v, p);
+    const struct lobe_kind *kind = model_column_kind(v->model, c);
+    const struct table *table = varpro_table(v, c);
     double u[3];
     int i;
 
@@ -138,17 +136,17 @@ static void fill_shapes(const struct bound_socp *e, int p, const double theta[3]
     }
 }
 
-static struct deviation deviation(const struct bound_socp *e, int p, double low, double centre, double high)
+static struct deviation deviation(const struct bound_socp *e, int c, double low, double centre, double high)
 {
     const double theta[3] = {low, centre, high};
-    const struct table *table = varpro_table(e->varpro, p);
+    const struct table *table = varpro_table(e->varpro, c);
     const double *at_low = e->shape[0], *at_centre = e->shape[1], *at_high = e->shape[2];
-    const double *x = model_kind(e->varpro->model, p)->exponential ? table->c : e->ell;
+    const double *x = model_column_kind(e->varpro->model, c)->exponential ? table->c : e->ell;
     double sum = 0.0, norm2 = 0.0, least2 = 0.0, slope2 = 0.0, u[2];
     struct deviation d;
     size_t j;
 
-    fill_shapes(e, p, theta, u);
+    fill_shapes(e, c, theta, u);
     for (j = 0; j < e->varpro->data->distinct; j++) {
         double most = fmax(at_low[j] - at_centre[j], at_centre[j] - at_high[j]);
         /* Largest |d phi / d ln u| = |ell| u phi of the box: x exp(-x) < 1, and 2 x / (1 + x)^3 < 1 besides. It turns
@@ -169,41 +167,54 @@ static struct deviation deviation(const struct bound_socp *e, int p, double low,
 /* A box at its centre: the exact restricted problem, and what can be said without a cone program. */
 struct view {
     struct point centre;
-    struct deviation lobe[BRDFFIT_MAX_LOBES];
+    struct deviation column[MOVING_MOST];
     double root;     /* root of the objective at the centre */
+    double left;     /* the objective's optimum there is not below this, whatever an active set left of it */
     double paid;     /* sum_p e_p sum_k z_kp at its optimum: feasible slack of Problem 5 */
     double at_most;  /* the same at the limits of z: no optimum of the box can gain more */
     double rounding; /* of columns, triangle, data and their reduction to rows: absolute, of the root */
     struct doubt doubt; /* of the geometry */
 };
 
+/* How far an active set may have stopped above the optimum: no z exceeds |I|, there nor here (theory 2). */
+static double left_of_optimum(const struct varpro *v, const struct varpro_value *value)
+{
+    return v->model->columns > NNLS_CLOSED ? 4.0 * v->model->columns * value->kkt * v->data->total : 0.0;
+}
+
 static void open_view(struct bound_socp *e, const struct box *box, struct view *view)
 {
     struct varpro *v = e->varpro;
     struct varpro_value value;
     double limits = 0.0, low[SIDES_MOST], high[SIDES_MOST];
+    int c, p, F = v->model->fixed, moving = varpro_moving(v);
     size_t k;
-    int p;
 
     view->paid = view->at_most = view->rounding = 0.0;
     for (p = 0; p < v->model->lobes; p++) {
         brdffit_axis_ends(&e->axis[v->model->lobe[p].kind], box->interval[p], &low[p], &high[p]);
         view->centre.theta[p] = 0.5 * (low[p] + high[p]);
-        view->lobe[p] = deviation(e, p, low[p], view->centre.theta[p], high[p]);
+    }
+    for (c = 0; c < moving; c++) {
+        p = model_lobe_of(v->model, c);
+        view->column[c] = deviation(e, c, low[p], view->centre.theta[p], high[p]);
     }
     view->doubt = brdffit_charge_box(v->data, v->model, low, high);
     brdffit_varpro_evaluate(v, &view->centre, 0, &value);
     e->evaluated++;
     view->root = sqrt(value.objective);
+    view->left = value.objective - left_of_optimum(v, &value);
     for (k = 0; k < v->data->channels; k++) {
         double norm = sqrt(v->data->ii[k]);
 
-        limits += norm;
-        for (p = 0; p < v->model->lobes; p++) {
-            view->rounding += norm * view->lobe[p].ratio * view->lobe[p].rounding;
-            view->paid += view->lobe[p].size * v->answer[k].unit[1 + p] * v->answer[k].data_scale;
-            view->at_most += view->lobe[p].size * norm * view->lobe[p].ratio;
-            limits += norm * view->lobe[p].ratio;
+        limits += F * norm;
+        for (c = 0; c < moving; c++) {
+            const struct deviation *d = &view->column[c];
+
+            view->rounding += norm * d->ratio * d->rounding;
+            view->paid += d->size * v->answer[k].unit[F + c] * v->answer[k].data_scale;
+            view->at_most += d->size * norm * d->ratio;
+            limits += norm * d->ratio;
         }
     }
     view->rounding += 8.0 * TOL_UNIT * ((double)v->data->used + TOL_GAIN) * limits;
@@ -216,7 +227,7 @@ static double project(struct bound_socp *e, size_t k, double *left)
     const struct varpro *v = e->varpro;
     const struct nnls_answer *answer = &v->answer[k];
     const double *value = v->data->row_value + k * v->data->used;
-    int group = 1 + v->model->lobes, i, j;
+    int group = v->model->columns, i, j;
     size_t r;
 
     for (r = 0; r < v->data->rows; r++) {
@@ -245,7 +256,7 @@ static void fill_program(struct bound_socp *e, const struct view *view)
 {
     const struct varpro *v = e->varpro;
     const struct reduced *data = v->data;
-    size_t group = (size_t)(1 + v->model->lobes), n = e->program.variables, entry = 0, i, j, k;
+    size_t group = (size_t)v->model->columns, F = (size_t)v->model->fixed, n = e->program.variables, entry = 0, i, j, k;
     double outside = 0.0, reach = sqrt(data->total);
 
     e->g[entry++] = -1.0;
@@ -253,14 +264,14 @@ static void fill_program(struct bound_socp *e, const struct view *view)
     for (j = 0; j + 1 < n; j++) {
         const struct nnls_answer *answer = &v->answer[j / group];
         double norm = sqrt(data->ii[j / group]), z = answer->unit[j % group] * answer->data_scale;
-        double most = j % group ? norm * view->lobe[j % group - 1].ratio : norm;
+        double most = j % group >= F ? norm * view->column[j % group - F].ratio : norm;
 
         e->g[entry++] = -1.0;
         for (i = 0; i <= j % group; i++) {
             e->g[entry++] = v->nnls.r[i][j % group];
         }
         e->h[j] = z;
-        e->c[1 + j] = j % group ? -view->lobe[j % group - 1].size : 0.0;
+        e->c[1 + j] = j % group >= F ? -view->column[j % group - F].size : 0.0;
         e->lower[1 + j] = -z;
         e->upper[1 + j] = fmax(0.0, most - z);
         reach += most + z;
@@ -317,17 +328,21 @@ static double solve(struct bound_socp *e, const struct view *view, double target
 
 double brdffit_bound_socp(struct bound_socp *e, struct box *box, struct point *met)
 {
-    double target = box->bound, root;
+    double target = box->bound, root, largest;
     struct view view;
-    int p;
+    int c;
 
     open_view(e, box, &view);
     *met = view.centre;
     box->split = 0;
-    for (p = 1; p < e->varpro->model->lobes; p++) {
-        box->split = view.lobe[p].size > view.lobe[box->split].size ? (uint32_t)p : box->split;
+    largest = view.column[0].size;
+    for (c = 1; c < varpro_moving(e->varpro); c++) {
+        if (view.column[c].size > largest) {
+            largest = view.column[c].size;
+            box->split = (uint32_t)model_lobe_of(e->varpro->model, c);
+        }
     }
-    root = fmax(0.0, view.root - view.at_most - view.rounding);
+    root = view.left > 0.0 ? fmax(0.0, fmin(view.root, sqrt(view.left)) - view.at_most - view.rounding) : 0.0;
     if (e->cheap && (squared(e, &view, root) >= target || view.root - view.paid <= sqrt(target))) {
         e->decided++; /* proven by the triangle inequality, or no program could prove it */
     } else {

@@ -18,7 +18,7 @@
 #include "solve/conic/certificate.h"
 #include "solve/conic/socp.h"
 
-#define LP_COLUMNS (COLUMNS_FIXED + 2 * BRDFFIT_MAX_LOBES)
+#define LP_COLUMNS (FIXED_MOST + 2 * MOVING_MOST)
 
 struct lp {
     brdffit_norm norm;

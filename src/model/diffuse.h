@@ -1,0 +1,33 @@
+/*
+ * Columns without a shape: the diffuse terms (theory 7.2), and Schlick's weight of second columns.
+ * SPDX-License-Identifier: MIT
+ *
+ * Both are made of n.l, n.v and v.h. What cancels is 1 - v.h, which is kept as such (`versine`), and
+ * l.v - (n.l)(n.v) = sin sin cos(azimuths), whose absolute error is charged.
+ */
+#ifndef BRDFFIT_DIFFUSE_H
+#define BRDFFIT_DIFFUSE_H
+
+#include "kernels/kernels.h"
+#include "model/geometry.h"
+
+/* Further columns of a diffuse term at a sample with n.l > 0: radiance, and how far each may be off (absolute), but for the
+ * relative error of n.l that all share. column[0] and its error are those of geometry.a. */
+void brdffit_diffuse_row(brdffit_diffuse diffuse, const struct geometry *geometry, double column[FIXED_MOST],
+                         double error[FIXED_MOST]);
+
+/* Below this 1 - v.h, w counts as 0 (brdffit.h). */
+#define LIMIT_VERSINE 1e-20
+
+/* w = (1 - v.h)^5. */
+static inline double schlick_weight(const struct geometry_angles *angles)
+{
+    double t = angles->versine, square = t * t;
+
+    return t < LIMIT_VERSINE ? 0.0 : square * square * t;
+}
+
+/* b of a lobe's second column, in place of that of its first. */
+void brdffit_schlick_column(struct geometry *geometry);
+
+#endif
