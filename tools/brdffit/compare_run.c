@@ -49,7 +49,7 @@ static void take_result(struct cli_comparison *c, struct cli_entry *entry, const
         entry->shape[p] = by_exponent ? result->lobe[p]->exponent : result->lobe[p]->sigma;
         entry->warnings[p] = result->lobe[p]->warnings;
     }
-    entry->parameters = brdffit_cli_model_parameters(entry->model, c->channels);
+    entry->parameters = brdffit_cli_parameters(options, options->lobes, c->channels);
 }
 
 /* Sums are of the model that the file was opened for: of another distribution, it is opened again. */

@@ -6,20 +6,17 @@
 
 #include "criteria.h"
 #include "interrupt.h"
+#include "models.h"
 #include "observations.h"
 #include "words.h"
 
-static double bic(double e2, double observations, size_t channels, int lobes)
-{
-    const size_t parameters = channels * (1 + (size_t)lobes) + (size_t)lobes + 1;
-    return brdffit_cli_criteria(e2, observations, parameters).value[CLI_BIC];
-}
-
 /* By how much the last of so many lobes lowers BIC, when they leave that E^2; observations as the richer fit sees them. */
-static double gain(const struct cli_lobe_trial *trial, int lobes, double e2)
+static double gain(const struct cli_lobe_trial *trial, const brdffit_options *form, int lobes, double e2)
 {
-    return bic(trial[-1].e2_most, trial->effective, trial->channels, lobes - 1) -
-           bic(e2, trial->effective, trial->channels, lobes);
+    const size_t before = brdffit_cli_parameters(form, lobes - 1, trial->channels),
+                 after = brdffit_cli_parameters(form, lobes, trial->channels);
+    return brdffit_cli_criteria(trial[-1].e2_most, trial->effective, before).value[CLI_BIC] -
+           brdffit_cli_criteria(e2, trial->effective, after).value[CLI_BIC];
 }
 
 /* Fit with so many; 1 when the trial is there. */
@@ -40,8 +37,8 @@ static int try_lobes(struct cli_job *job, struct cli_fitter *fitter, int lobes)
     trial->channels = brdffit_cli_distinct_channels(r);
     job->trial_count = lobes > job->trial_count ? lobes : job->trial_count;
     if (lobes > 1) {
-        trial->gain = gain(trial, lobes, trial->e2_most);
-        trial->gain_most = gain(trial, lobes, trial->lower_bound);
+        trial->gain = gain(trial, &fitter->options, lobes, trial->e2_most);
+        trial->gain_most = gain(trial, &fitter->options, lobes, trial->lower_bound);
     }
     return 1;
 }

@@ -8,9 +8,12 @@
 
 #include "lobes.h"
 
-#define ONE(name, a) {name, 1, {a}, 0, 0, 0}
-#define TWO(name, a, b) {name, 2, {a, b}, 0, 0, 0}
-#define THREE(name, a, b, c) {name, 3, {a, b, c}, 0, 0, 0}
+/* Fresnel, masking and diffuse term as the library has them when nobody says what. */
+#define PLAIN BRDFFIT_FRESNEL_NONE, BRDFFIT_MASKING_V_CAVITY, BRDFFIT_DIFFUSE_LAMBERT
+#define ONE(name, a) {name, 1, {a}, PLAIN}
+#define TWO(name, a, b) {name, 2, {a, b}, PLAIN}
+#define THREE(name, a, b, c) {name, 3, {a, b, c}, PLAIN}
+#define END {"", 0, {BRDFFIT_BECKMANN}, PLAIN}
 
 /* Every distribution once, then more lobes of those that renderers use. */
 const struct cli_model brdffit_cli_default_models[] = {
@@ -26,7 +29,7 @@ const struct cli_model brdffit_cli_default_models[] = {
     TWO("beckmann+ggx", BRDFFIT_BECKMANN, BRDFFIT_GGX),
     THREE("3beckmann", BRDFFIT_BECKMANN, BRDFFIT_BECKMANN, BRDFFIT_BECKMANN),
     THREE("3ggx", BRDFFIT_GGX, BRDFFIT_GGX, BRDFFIT_GGX),
-    {"", 0, {BRDFFIT_BECKMANN}, 0, 0, 0},
+    END,
 };
 
 const struct cli_preset brdffit_cli_presets[] = {
@@ -35,7 +38,7 @@ const struct cli_preset brdffit_cli_presets[] = {
      "                  of a MERL table 84 directions"},
     {ONE("cook-torrance", BRDFFIT_BECKMANN), 0, NULL, "Cook and Torrance 1982: one Beckmann lobe"},
     {ONE("phong", BRDFFIT_LAFORTUNE), 0, NULL, "a cosine lobe about the mirrored light"},
-    {{"", 0, {BRDFFIT_BECKMANN}, 0, 0, 0}, 0, NULL, NULL},
+    {END, 0, NULL, NULL},
 };
 
 const struct cli_preset *brdffit_cli_find_preset(const char *name)
@@ -123,7 +126,7 @@ static const struct cli_model *in_table(const char *name, size_t length)
 
 int brdffit_cli_find_model(const char *name, size_t length, struct cli_model *model)
 {
-    const struct cli_model none = {"", 0, {BRDFFIT_BECKMANN}, 0, 0, 0};
+    const struct cli_model none = END;
     const struct cli_model *const known = in_table(name, length);
     if (known != NULL) {
         *model = *known;
@@ -173,6 +176,9 @@ size_t brdffit_cli_read_models(const char *list, struct cli_model **models, cons
 
 void brdffit_cli_add_model(struct cli_text *text, const struct cli_model *model)
 {
+    static const char *const masking[] = {"", " Smith", " separable Smith", " unmasked"};
+    static const char *const fresnel[] = {"", " Schlick"};
+    static const char *const diffuse[] = {"", " without diffuse", " Oren-Nayar", " Burley"};
     for (int p = 0; p < model->lobes; p += run_length(model, p)) {
         const int count = run_length(model, p);
         brdffit_cli_text_puts(text, p > 0 ? " + " : "");
@@ -181,18 +187,19 @@ void brdffit_cli_add_model(struct cli_text *text, const struct cli_model *model)
         }
         brdffit_cli_text_puts(text, brdffit_distribution_title(model->distributions[p]));
     }
+    brdffit_cli_text_puts(text, masking[model->masking]);
+    brdffit_cli_text_puts(text, fresnel[model->fresnel]);
+    brdffit_cli_text_puts(text, diffuse[model->diffuse]);
 }
 
 /* ---- What a form has --------------------------------------------------- */
 
-size_t brdffit_cli_model_columns(const struct cli_model *model)
+size_t brdffit_cli_parameters(const brdffit_options *form, int lobes, size_t channels)
 {
-    return 1 + (size_t)model->lobes * (model->fresnel ? 2 : 1);
-}
-
-size_t brdffit_cli_model_parameters(const struct cli_model *model, size_t channels)
-{
-    return channels * brdffit_cli_model_columns(model) + (size_t)model->lobes + 1;
+    const int zero = form->diffuse == BRDFFIT_DIFFUSE_NONE; /* a column, but no coefficient */
+    const int diffuse = zero ? 0 : brdffit_diffuse_columns(form->diffuse);
+    const int columns = diffuse + lobes * (form->fresnel == BRDFFIT_FRESNEL_NONE ? 1 : 2);
+    return channels * (size_t)columns + (size_t)lobes + 1;
 }
 
 void brdffit_cli_use_model(const struct cli_model *model, brdffit_options *options)
@@ -200,6 +207,9 @@ void brdffit_cli_use_model(const struct cli_model *model, brdffit_options *optio
     options->lobes = model->lobes;
     options->distributions = model->distributions;
     options->distribution = model->distributions[0];
+    options->fresnel = model->fresnel;
+    options->masking = model->masking;
+    options->diffuse = model->diffuse;
 }
 
 /* ---- Presets ----------------------------------------------------------- */

@@ -13,16 +13,16 @@
 #define CLI_MODEL_NAME 80
 
 /*
- * A diffuse term and lobes. The last three say what else a form has; 0, the only value as yet, is what the core does:
- * a constant Fresnel factor, each distribution's own masking, Lambert.
+ * A diffuse term and lobes. The last three are those of brdffit_options, 0 its defaults. A form that has others needs a
+ * name of its own, in a table.
  */
 struct cli_model {
     char name[CLI_MODEL_NAME]; /* as --models takes it: "2beckmann", "beckmann+ggx" */
     int lobes;
     brdffit_distribution distributions[BRDFFIT_MAX_LOBES]; /* in the order of a result */
-    int fresnel;
-    int masking;
-    int diffuse;
+    brdffit_fresnel fresnel;
+    brdffit_masking masking;
+    brdffit_diffuse diffuse;
 };
 
 /* A model with a name of its own, and what else that name stands for in `fit`. */
@@ -52,14 +52,12 @@ int brdffit_cli_find_model(const char *name, size_t length, struct cli_model *mo
  * culprit starts, when one is no model or is there twice, and *bad is NULL when memory ran out. */
 size_t brdffit_cli_read_models(const char *list, struct cli_model **models, const char **bad);
 
-/* "2 Beckmann", "Beckmann + GGX". */
+/* "2 Beckmann", "Beckmann + GGX", "GGX Smith Schlick Burley". */
 void brdffit_cli_add_model(struct cli_text *text, const struct cli_model *model);
 
-/* Non-negative coefficients of a channel: those of the diffuse term and of each lobe. */
-size_t brdffit_cli_model_columns(const struct cli_model *model);
-
-/* All that is fitted: coefficients of so many channels, the roughness of each lobe, and the size of the noise. */
-size_t brdffit_cli_model_parameters(const struct cli_model *model, size_t channels);
+/* All that is fitted with so many lobes: non-negative coefficients of so many channels, those of the diffuse term and of each
+ * lobe; the roughness of each lobe; and the size of the noise. */
+size_t brdffit_cli_parameters(const brdffit_options *form, int lobes, size_t channels);
 
 /* Ask for this form. The options then point into the model. */
 void brdffit_cli_use_model(const struct cli_model *model, brdffit_options *options);
