@@ -10,7 +10,7 @@
 #include "words.h"
 
 /* Widths of the columns; with two of indentation and a mark, 100 in all. */
-enum { MODEL = 21, SHAPE = 21, COUNT = 4, RMS = 9, R2 = 9, DELTA = 8, TIME = 9 };
+enum { MODEL = 21, SHAPE = 21, COUNT = 3, RMS = 9, R2 = 9, DELTA = 8, TIME = 9 };
 
 /* "0.1198 0.4505", "n 102.8", "0.16 n 23": n where the number is not sigma. */
 static void add_shape(struct cli_text *text, const struct cli_entry *entry)
