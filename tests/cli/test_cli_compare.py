@@ -8,7 +8,6 @@ import math
 import re
 import resource
 import signal
-import subprocess
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ from scipy.optimize import nnls
 
 import harness
 import model
+from test_cli_process import reading, start
 
 SINGLES = list(model.DISTRIBUTIONS)
 DOZEN = [*SINGLES, "2beckmann", "2ggx", "beckmann+ggx", "3beckmann", "3ggx"]
@@ -299,20 +299,16 @@ def test_an_open_search_is_not_called_proven(desk):
 
 
 def test_interrupt(desk):
-    """The running search ends, what was not begun says so, and the lines are whole."""
-    process = subprocess.Popen([harness.BRDFFIT, "compare", "--json", "--models", "3ggx,ggx", "--gap", "1e-9",
-                                "two_lobe_satin.csv", "two_lobe_exact.csv"], cwd=desk, stdout=subprocess.PIPE,
-                               env=harness.environment(), stdin=subprocess.DEVNULL)
-    process.send_signal(signal.SIGSTOP)  # so that it is there, and far from done
+    """Interrupted while it reads: the models and files that were not begun say so, and the lines are whole."""
+    process = start("compare", "--json", "--models", "2ggx,ggx", "--gap", "1e-9", "-", "two_lobe_exact.csv", cwd=desk)
+    reading(process)
     process.send_signal(signal.SIGINT)
-    process.send_signal(signal.SIGCONT)
-    out, _ = process.communicate(timeout=harness.PATIENCE)
-    if process.returncode == -signal.SIGINT:
-        pytest.skip("interrupted before the handler was there")
-    assert process.returncode == 4
-    verdicts = [line for line in harness.lines(out.decode()) if "verdict" in line]
-    assert len(verdicts) == 2 and verdicts[1]["verdict"] == "error"
-    assert verdicts[1]["error"]["code"] == "interrupted"
+    out, err = process.communicate((desk / "two_lobe_satin.csv").read_bytes(), harness.PATIENCE)
+    fit, one, two = harness.lines(out.decode())
+    assert process.returncode == 4 and b"1 file was not begun" in err
+    assert (fit["status"], fit["stop"]) == ("gap_open", "cancelled")
+    assert ranks(one) == {"2ggx": "best", "ggx": "interrupted"}
+    assert (two["verdict"], two["error"]["code"]) == ("error", "interrupted")
 
 
 @pytest.mark.parametrize("models, culprit", [("foo", "foo"), ("ggx,4ggx", "4ggx"), ("ggx,,ward", ""), ("ggx,1ggx", "1ggx"),
