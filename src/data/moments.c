@@ -111,7 +111,7 @@ const double *brdffit_moments_shape(const struct moments *m, int kind, const str
     if (node->phi) {
         return node->phi;
     }
-    own->kind->shape(m->kernels, own->table->c, m->data->stride, node->u, scratch);
+    own->kind->shape(m->kernels, &own->table->sight, m->data->stride, node->u, scratch);
     return scratch;
 }
 
@@ -126,7 +126,7 @@ const double *brdffit_moments_slopes(const struct moments *m, int kind, const st
         return own->table->c;
     }
     if (!node->x) {
-        own->kind->slopes(m->kernels, own->table->c, m->data->stride, node->u, x, x + m->data->stride);
+        own->kind->slopes(m->kernels, &own->table->sight, m->data->stride, node->u, x, x + m->data->stride);
     }
     *slope = x + m->data->stride;
     return x;
@@ -170,7 +170,9 @@ static double node_epsilon(const struct moments *m, const struct table *t, const
 
         largest = w->f1 > largest * w->f0 ? w->f1 / w->f0 : largest;
     }
-    return m->epsilon + exponent_epsilon(t) * (node->u * (node->mean + largest));
+    /* x is at least c', which is what counts; masking's own rounding is that of phi, twice. */
+    return m->epsilon + (t->masked ? TOL_MASKING * TOL_UNIT : 0.0) +
+           exponent_epsilon(t) * (node->u * (node->mean + largest));
 }
 
 /* kappa and tau from the functionals, with the rounding allowance on the safe side. */
@@ -204,10 +206,10 @@ static void fill_shapes(struct moments *m, struct kind_moments *own, uint32_t in
     node->phi = (index + (size_t)1) * each <= own->phi_doubles ? own->phi_pool + index * each : NULL;
     node->x = node->phi && !own->kind->exponential ? node->phi + stride : NULL;
     if (node->phi) {
-        own->kind->shape(m->kernels, own->table->c, stride, node->u, node->phi);
+        own->kind->shape(m->kernels, &own->table->sight, stride, node->u, node->phi);
     }
     if (node->x) {
-        own->kind->slopes(m->kernels, own->table->c, stride, node->u, node->x, node->x + stride);
+        own->kind->slopes(m->kernels, &own->table->sight, stride, node->u, node->x, node->x + stride);
     }
 }
 
@@ -223,7 +225,7 @@ const struct node *brdffit_moments_node(struct moments *m, int kind, uint32_t in
         return node;
     }
     m->evaluated++;
-    own->kind->variable(own->table->c_min, theta, u);
+    own->kind->variable(&own->table->sight, theta, u);
     node->u = u[0];
     node->tau = own->tau_pool + index * m->data->channels;
     node->functional = own->functional_pool + index * m->data->functionals;
@@ -242,7 +244,7 @@ const struct node *brdffit_moments_node(struct moments *m, int kind, uint32_t in
  */
 static double spread_exponent(const struct kind_moments *own, const struct node *node)
 {
-    return own->kind->exponential ? node->u * sqrt(node->mean * node->mean + node->m2) : 2.0;
+    return own->kind->steep ? node->u * sqrt(node->mean * node->mean + node->m2) : 2.0;
 }
 
 /* Value, mean and variance of the products of two shapes. */
