@@ -22,7 +22,7 @@ LAYERS = (
     ("arguments", ("_arguments", "_arrays", "_lobes", "_weights", "_words", "options", "progress")),
     ("files as arrays", ("readers", "readers.*")),
     ("samples", ("samples",)),
-    ("fits", ("fit", "boxes", "many", "merl", "regressor", "readers.rgl")),
+    ("fits", ("fit", "boxes", "compare", "many", "merl", "regressor", "readers.rgl")),
     ("maps in memory", ("maps.*",)),
     ("maps out of core", ("outofcore", "outofcore.*")),
     ("maps", ("maps", "maps.dispatch")),

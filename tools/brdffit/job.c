@@ -223,27 +223,42 @@ static void weigh(struct cli_job *job, const struct cli_settings *settings)
     job->status = brdffit_cli_weigh(job->table, settings->weight, &job->weights, &job->error);
 }
 
-void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const char *path)
+void brdffit_cli_job_open(struct cli_job *job, struct cli_fitter *fitter, const char *path)
 {
     read_table(job, fitter, path, fits_sums(fitter->settings) ? &fitter->options : NULL);
     if (job->status == BRDFFIT_OK) {
         weigh(job, fitter->settings);
     }
-    if (job->status == BRDFFIT_OK) {
-        fit(job, fitter);
-    }
-    if (job->table != NULL && job->table->sums != NULL && !sums_suffice(job)) {
+}
+
+void brdffit_cli_job_fit(struct cli_job *job, struct cli_fitter *fitter)
+{
+    fit(job, fitter);
+    if (job->table->sums != NULL && !sums_suffice(job)) {
         job->status = brdffit_io_samples(job->table, &job->error);
         if (job->status == BRDFFIT_OK) {
             fit(job, fitter);
         }
     }
+}
+
+void brdffit_cli_job_check(struct cli_job *job, struct cli_fitter *fitter)
+{
     if (job->status == BRDFFIT_OK && fitter->settings->verify != NULL) {
         verify(job, fitter);
     }
     if (job->status == BRDFFIT_OK && fitter->settings->stats && fitter->options.lobes > 1) {
         fit_one_lobe(job, fitter);
     }
+}
+
+void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const char *path)
+{
+    brdffit_cli_job_open(job, fitter, path);
+    if (job->status == BRDFFIT_OK) {
+        brdffit_cli_job_fit(job, fitter);
+    }
+    brdffit_cli_job_check(job, fitter);
 }
 
 void brdffit_cli_job_free(struct cli_job *job)

@@ -55,6 +55,17 @@ def _fit(material: Material, lobes: int) -> str:
         html.escape(head[0].upper() + head[1:]), tables, "" if fit.certified else " open", words)
 
 
+def _models(material: Material) -> str:
+    """Nothing where none were compared."""
+    found = material.comparison
+    if found is None:
+        return ""
+    counted = "%s observations, counted as %.0f" % (format(found.observations, ","), found.effective_observations)
+    return "<h2>Which model</h2><p class='soft'>%s; p: parameters; * the best, = not told from it, ? not proven</p>%s%s" % (
+        html.escape(counted), "<div class='scroll keep'>%s</div>" % _words.html_table(found.table),
+        "".join(map(_paragraph, found.words)))
+
+
 def _pairs(views: Iterable[tuple[str, str, str]]) -> str:
     return "<div class='views'>%s</div>" % "".join(
         "<figure><div class='pair'>%s%s</div><figcaption>%s</figcaption></figure>" % (linear, log, html.escape(caption))
@@ -174,6 +185,7 @@ def material_page(material: Material, index: str | None) -> str:
         order.reverse()
     head = "<h1>%s %s</h1><p class='soft'>%s</p>" % (
         html.escape(material.name), _badge(material), html.escape(_source(material)))
-    body = [top, head, _crowded(material), *(_fit(material, lobes) for lobes in order), _views(material), _proof(material),
+    body = [top, head, _crowded(material), *(_fit(material, lobes) for lobes in order), _models(material), _views(material),
+            _proof(material),
             _spheres(material), _residuals(material)]
     return document("%s - brdffit" % material.name, "".join(body))
