@@ -341,7 +341,7 @@ double brdffit_pair_shift(const struct sides *b, int which, double least)
     if (!(side->eighth > 0.0)) {
         return 0.0;
     }
-    if (b->kind[0] != b->kind[1] || !b->moments->kind[b->kind[0]].kind->exponential) {
+    if (!moments_one_family(b->moments, b->kind[0], b->kind[1])) {
         return side->eighth * brdffit_family_pair(b, which, least);
     }
     corner = brdffit_pair_corner(b, 0);
