@@ -337,7 +337,7 @@ static void test_family_variable(void **state)
                 long double s = expl((long double)theta), p = f ? c_min[i] * s : 0.0L;
                 double u[3];
 
-                family[f]->variable(c_min[i], theta, u);
+                family[f]->variable(&(struct lobe_sight){.c_min = c_min[i]}, theta, u);
                 if (!(u[0] > 0.0)) {
                     fail_msg("family %zu, c_min %g, theta %g: u = %g", f, c_min[i], theta, u[0]);
                 }

@@ -158,4 +158,8 @@
 /* First partition of the axis: this many intervals, a power of two. */
 #define FIRST_INTERVALS 8
 
+/* Relative error of a sum of phi^2 with Smith's masking beyond what sums of other lobes have, in u: phi is within 10 u and
+ * the exponent (model/smith.h), its square within 20. */
+#define TOL_MASKING 24.0
+
 #endif

@@ -237,7 +237,7 @@ int brdffit_batch_fast_start(struct batch_fast *f, const brdffit_samples *geomet
                                      -1.0);
     theta_high = brdffit_fit_outwards(kind->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min),
                                       1.0);
-    tail = kind->tail(table->c, table->bb, r->distinct, table->c_min);
+    tail = kind->tail(&table->sight, table->bb, r->distinct);
     if (!(tail > 0.0 && isfinite(tail))) {
         return 0;
     }

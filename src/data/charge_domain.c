@@ -29,6 +29,8 @@ static double from_maxima(const struct reduced *r, const struct table *t, const 
     }
     reach = largest > sharpest ? 0.5 * kernel_log(largest / sharpest) : 0.0;
     reach += TAIL_EXPONENT + kernel_log((double)r->used);
+    /* What masking adds to a shape at most, s being at least 1e-6 (smith.h). */
+    reach += t->masked ? kernel_log(1.0 + 1e6 * 4.0 * t->sight.tan2_most) : 0.0;
     for (j = 0; j < r->distinct; j++) {
         double error = c->gamma[j] + c->reference;
 
@@ -37,7 +39,7 @@ static double from_maxima(const struct reduced *r, const struct table *t, const 
         if (!(beyond > 0.0) || !(t->bb[j] > 0.0)) {
             continue;
         }
-        if (kind->exponential) {
+        if (kind->steep) {
             sum = larger(sum, error * most * beyond > error * reach ? error * reach / beyond : error * most);
         } else {
             sum = larger(sum,
@@ -82,10 +84,10 @@ static double group_error(const struct table *t, const struct lobe_kind *kind, s
     const struct charge *c = &t->charge;
     int sharp = !(t->c[j] > t->c_low);
     double error = sharp ? c->spread : c->gamma[j] + c->reference, total = t->c_min + t->c[j], x;
-    double s = kind->exponential && (t->c[j] - t->c_low - error) * low >= 1.0 ? low : high;
+    double s = kind->steep && (t->c[j] - t->c_low - error) * low >= 1.0 ? low : high;
 
     x = error * kind->sensitivity(s, larger(0.0, total - error));
-    if (!kind->exponential && !sharp) {
+    if (!kind->steep && !sharp) {
         x += c->reference * kind->sensitivity(s, larger(0.0, t->c_min + t->c_low - c->reference));
     }
     return x < 600.0 ? x * kernel_exp(x) : INFINITY;
@@ -99,13 +101,13 @@ static double cell_error(const struct reduced *r, const struct table *t, const s
     double s_low = kernel_exp(low), s_high = kernel_exp(high), u[3], size = 0.0, error = 0.0;
     size_t j;
 
-    kind->variable(t->c_min, high, u);
-    kind->shape(kernels, t->c, r->stride, u[0], phi);
+    kind->variable(&t->sight, high, u);
+    kind->shape(kernels, &t->sight, r->stride, u[0], phi);
     for (j = 0; j < r->distinct; j++) {
         size = join(size, c->weight[j] * phi[j], c->norm);
     }
-    kind->variable(t->c_min, low, u);
-    kind->shape(kernels, t->c, r->stride, u[0], phi);
+    kind->variable(&t->sight, low, u);
+    kind->shape(kernels, &t->sight, r->stride, u[0], phi);
     for (j = 0; j < r->distinct; j++) {
         double x = group_error(t, kind, j, s_low, s_high), lobe = c->weight[j] * phi[j];
 

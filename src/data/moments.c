@@ -44,7 +44,8 @@ void brdffit_moments_layout(struct moments *m, struct arena *arena, size_t count
         m->omega[i] = ARENA_DOUBLES(arena, channels);
     }
     m->norm = ARENA_DOUBLES(arena, channels);
-    m->cache = model->lobes * model->each > 1 ? brdffit_arena_take(arena, PAIR_CACHE, sizeof *m->cache) : NULL;
+    m->cached = model->lobes * model->each > 1 ? PAIR_CACHE * (uint32_t)(model->each * model->each) : 0;
+    m->cache = m->cached ? brdffit_arena_take(arena, m->cached, sizeof *m->cache) : NULL;
     for (i = 0; i < model->kinds; i++) {
         m->kind[i].kind = model->kind[i];
         m->kind[i].geometry = model->geometry[i];
@@ -100,7 +101,7 @@ void brdffit_moments_start(struct moments *m, const struct reduced *data, const 
         marks_start(&m->kind[i].ready);
     }
     if (m->cache) {
-        memset(m->cache, 0xff, PAIR_CACHE * sizeof *m->cache);
+        memset(m->cache, 0xff, m->cached * sizeof *m->cache);
     }
 }
 
@@ -111,7 +112,7 @@ const double *brdffit_moments_shape(const struct moments *m, int kind, const str
     if (node->phi) {
         return node->phi;
     }
-    own->kind->shape(m->kernels, own->table->c, m->data->stride, node->u, scratch);
+    own->kind->shape(m->kernels, &own->table->sight, m->data->stride, node->u, scratch);
     return scratch;
 }
 
@@ -126,7 +127,7 @@ const double *brdffit_moments_slopes(const struct moments *m, int kind, const st
         return own->table->c;
     }
     if (!node->x) {
-        own->kind->slopes(m->kernels, own->table->c, m->data->stride, node->u, x, x + m->data->stride);
+        own->kind->slopes(m->kernels, &own->table->sight, m->data->stride, node->u, x, x + m->data->stride);
     }
     *slope = x + m->data->stride;
     return x;
@@ -170,7 +171,9 @@ static double node_epsilon(const struct moments *m, const struct table *t, const
 
         largest = w->f1 > largest * w->f0 ? w->f1 / w->f0 : largest;
     }
-    return m->epsilon + exponent_epsilon(t) * (node->u * (node->mean + largest));
+    /* x is at least c', which is what counts; masking's own rounding is that of phi, twice. */
+    return m->epsilon + (t->masked ? TOL_MASKING * TOL_UNIT : 0.0) +
+           exponent_epsilon(t) * (node->u * (node->mean + largest));
 }
 
 /* kappa and tau from the functionals, with the rounding allowance on the safe side. */
@@ -204,10 +207,10 @@ static void fill_shapes(struct moments *m, struct kind_moments *own, uint32_t in
     node->phi = (index + (size_t)1) * each <= own->phi_doubles ? own->phi_pool + index * each : NULL;
     node->x = node->phi && !own->kind->exponential ? node->phi + stride : NULL;
     if (node->phi) {
-        own->kind->shape(m->kernels, own->table->c, stride, node->u, node->phi);
+        own->kind->shape(m->kernels, &own->table->sight, stride, node->u, node->phi);
     }
     if (node->x) {
-        own->kind->slopes(m->kernels, own->table->c, stride, node->u, node->x, node->x + stride);
+        own->kind->slopes(m->kernels, &own->table->sight, stride, node->u, node->x, node->x + stride);
     }
 }
 
@@ -223,7 +226,7 @@ const struct node *brdffit_moments_node(struct moments *m, int kind, uint32_t in
         return node;
     }
     m->evaluated++;
-    own->kind->variable(own->table->c_min, theta, u);
+    own->kind->variable(&own->table->sight, theta, u);
     node->u = u[0];
     node->tau = own->tau_pool + index * m->data->channels;
     node->functional = own->functional_pool + index * m->data->functionals;
@@ -242,7 +245,7 @@ const struct node *brdffit_moments_node(struct moments *m, int kind, uint32_t in
  */
 static double spread_exponent(const struct kind_moments *own, const struct node *node)
 {
-    return own->kind->exponential ? node->u * sqrt(node->mean * node->mean + node->m2) : 2.0;
+    return own->kind->steep ? node->u * sqrt(node->mean * node->mean + node->m2) : 2.0;
 }
 
 /* Value, mean and variance of the products of two shapes. */
@@ -254,7 +257,7 @@ void brdffit_moments_fill_pair(struct moments *m, const struct couple *at, struc
     const double *phi = brdffit_moments_shape(m, at->kind[0], p, m->scratch);
     const double *psi = brdffit_moments_shape(m, at->kind[1], q, m->scratch + data->stride);
     const double *w = reduced_cross(data, one->geometry, two->geometry);
-    int exponential = at->kind[0] == at->kind[1] && one->kind->exponential;
+    int exponential = moments_one_family(m, at->kind[0], at->kind[1]);
     double limit = exponential ? PAIR_EXPONENT / (p->u + q->u) : INFINITY, sums[3], exponent, error;
 
     pair->kinds = (uint32_t)(at->kind[0] + KINDS_MOST * at->kind[1]);
@@ -293,7 +296,7 @@ void brdffit_moments_forget(struct moments *m, int kind, uint32_t index)
     size_t i;
 
     marks_clear(&m->kind[kind].ready, index);
-    for (i = 0; m->cache && i < PAIR_CACHE; i++) {
+    for (i = 0; i < m->cached; i++) {
         if (m->cache[i].first == index || m->cache[i].second == index) {
             m->cache[i].kinds = UINT32_MAX;
         }

@@ -14,6 +14,14 @@
 #include "base/tolerance.h"
 #include "base/vector.h"
 
+static void layout_tangents(struct table *t, struct arena *arena, size_t count)
+{
+    t->light = t->masked ? ARENA_DOUBLES(arena, PADDED(count)) : NULL;
+    t->view = t->masked ? ARENA_DOUBLES(arena, PADDED(count)) : NULL;
+    t->sample_light = t->masked ? ARENA_DOUBLES(arena, count) : NULL;
+    t->sample_view = t->masked ? ARENA_DOUBLES(arena, count) : NULL;
+}
+
 static void layout_table(struct table *t, struct arena *arena, size_t count, size_t functionals)
 {
     size_t stride = PADDED(count);
@@ -43,6 +51,8 @@ void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t 
     reduced->fixed = model->fixed;
     reduced->room = count;
     for (g = 0; g < geometries; g++) {
+        reduced->table[g].masked = model->kind[model->shown_by[g]]->smith;
+        layout_tangents(&reduced->table[g], arena, count);
         layout_table(&reduced->table[g], arena, count, reduced_functionals(model, channels));
         for (h = 0; h < g; h++) {
             reduced->cross[g * (g - 1) / 2 + h] = ARENA_DOUBLES(arena, PADDED(count));
@@ -91,6 +101,10 @@ static void keep_table(struct reduced *r, int t, const struct geometry *g)
 {
     r->table[t].sample_b[r->used] = g->b;
     r->table[t].sample_c[r->used] = g->c;
+    if (r->table[t].masked) {
+        r->table[t].sample_light[r->used] = smaller(g->tan2_light, g->tan2_view);
+        r->table[t].sample_view[r->used] = larger(g->tan2_light, g->tan2_view);
+    }
     brdffit_charge_sample(&r->table[t].charge, r->used, g);
 }
 
@@ -122,7 +136,7 @@ static void keep_sample(struct reduced *r, const brdffit_samples *s, const struc
     keep_fixed(r, model, lead);
     for (t = 0; t < r->bases; t++) {
         g = *lead;
-        if (t != model->lead && s->form != BRDFFIT_FORM_COEFFICIENTS) {
+        if ((t != model->lead || model->masking != BRDFFIT_MASKING_V_CAVITY) && s->form != BRDFFIT_FORM_COEFFICIENTS) {
             g.b_hidden = g.c_hidden = 0.0;
             model->kind[model->shown_by[t]]->row(&lead->angles, &g);
         }

@@ -24,8 +24,12 @@
  * the sum of squares but for the number of samples: gains and their squares stay far from the ends of the number range.
  */
 
-/* What one geometry (a row of b and c, model.h) makes of the samples. Sums over the samples of one group: */
+/* What one geometry (a row of b, c and, with Smith's masking, tangents; model.h) makes of the samples. Sums over the samples of one group: */
 struct table {
+    struct lobe_sight sight; /* what kinds see of the groups: c_min, c; and tangents where there are any */
+    int masked;              /* there are: samples of one group agree in these, too */
+    double *light, *view;    /* by group */
+    double *sample_light, *sample_view; /* scratch while reducing: used; the smaller first */
     double c_min;
     double snapped;        /* largest relative change of c - c_min by merging */
     struct charge charge;  /* what the geometry's rounding costs a bound */

@@ -6,7 +6,9 @@
 /* Whether samples p and q agree in the c of every geometry beyond the first. */
 static int alike_beyond(const struct reduced *r, uint32_t p, uint32_t q)
 {
-    int g, same = 1;
+    const struct table *first = &r->table[0];
+    int g, same = !first->masked ||
+                  (first->sample_light[p] == first->sample_light[q] && first->sample_view[p] == first->sample_view[q]);
 
     for (g = 1; g < r->geometries; g++) {
         same = same && r->table[g].sample_c[p] == r->table[g].sample_c[q];

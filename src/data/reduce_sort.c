@@ -1,5 +1,6 @@
 /*
- * The order of samples in a reduction: by c of the first geometry, then of the others, then by index.
+ * The order of samples in a reduction: by c of the first geometry, then of the others, then by tangents (with Smith's
+ * masking, the same in every geometry), then by index.
  * SPDX-License-Identifier: MIT
  */
 #include "data/reduce_parts.h"
@@ -7,6 +8,7 @@
 /* Beyond geometry 0, whose c agree. */
 static int not_after_beyond(const struct reduced *r, uint32_t p, uint32_t q)
 {
+    const struct table *first = &r->table[0];
     int g;
 
     for (g = 1; g < r->geometries; g++) {
@@ -15,6 +17,12 @@ static int not_after_beyond(const struct reduced *r, uint32_t p, uint32_t q)
         if (c[p] != c[q]) {
             return c[p] < c[q];
         }
+    }
+    if (first->masked && first->sample_light[p] != first->sample_light[q]) {
+        return first->sample_light[p] < first->sample_light[q];
+    }
+    if (first->masked && first->sample_view[p] != first->sample_view[q]) {
+        return first->sample_view[p] < first->sample_view[q];
     }
     return p < q;
 }

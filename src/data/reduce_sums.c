@@ -181,6 +181,23 @@ static void fill_c(struct reduced *r, struct table *t)
     }
 }
 
+/* Tangents of each group, as c; where it has no lobe they mean as little. */
+static void fill_sight(struct reduced *r, struct table *t)
+{
+    struct lobe_sight *sight = &t->sight;
+    size_t j;
+
+    *sight = (struct lobe_sight){.c_min = t->c_min, .c = t->c, .light = t->light, .view = t->view};
+    for (j = 0; j < r->distinct && t->masked; j++) {
+        t->light[j] = t->sample_light[r->order[r->begin[j]]];
+        t->view[j] = t->sample_view[r->order[r->begin[j]]];
+        sight->tan2_most = larger(sight->tan2_most, t->view[j]);
+    }
+    for (; j < r->stride && t->masked; j++) {
+        t->light[j] = t->view[j] = 0.0;
+    }
+}
+
 /* Smallest c - c_min that a lobe of this geometry sees: of second columns it may be above 0. */
 static double lowest_c(const struct reduced *r, const struct table *t)
 {
@@ -213,6 +230,7 @@ void brdffit_reduce_groups(struct reduced *r)
         /* Columns of one lobe have one phi. */
         t->c_min = g < r->bases ? smallest_c(r, t) : r->table[g - r->bases].c_min;
         fill_c(r, t);
+        fill_sight(r, t);
         t->c_low = g < r->bases ? 0.0 : lowest_c(r, t);
         clear(t->bb, r->stride);
         clear(t->concentration, r->stride);

@@ -48,12 +48,13 @@ static int finite_y(const struct view *v, double theta, double exponent)
     double u[3], h = 0.0, s = kernel_exp(theta), *phi = v->fit->varpro.phi;
     size_t j;
 
-    v->kind->variable(v->table->c_min, theta, u);
-    v->kind->shape(v->fit->varpro.kernels, v->table->c, data->stride, u[0], phi);
+    v->kind->variable(&v->table->sight, theta, u);
+    v->kind->shape(v->fit->varpro.kernels, &v->table->sight, data->stride, u[0], phi);
     for (j = 0; j < data->distinct; j++) {
         h += v->table->bb[j] * (phi[j] * phi[j]);
     }
     exponent += v->kind->exponent(v->table->c_min, s) - 0.5 * kernel_log(h) - kernel_log(v->kind->lambda(s));
+    exponent -= v->kind->conversion ? kernel_log(v->kind->conversion(&v->table->sight, s)) : 0.0;
     return h > 0.0 && exponent <= LIMIT_EXPONENT;
 }
 
@@ -81,12 +82,12 @@ static double largest_finite(const struct view *v, double low, double high)
     return low;
 }
 
-static void no_shape(const struct kernels *kernels, const double *c, size_t n, double u, double *phi)
+static void no_shape(const struct kernels *kernels, const struct lobe_sight *sight, size_t n, double u, double *phi)
 {
     size_t j;
 
     (void)kernels;
-    (void)c;
+    (void)sight;
     (void)u;
     for (j = 0; j < n; j++) {
         phi[j] = 0.0;
@@ -136,7 +137,7 @@ static void look_at(const struct view *v, struct domain *d, double *tail)
     if (!any_lobe(v)) {
         return;
     }
-    *tail = fmax(*tail, v->kind->tail(v->table->c, v->table->bb, v->fit->data.distinct, v->table->c_min));
+    *tail = fmax(*tail, v->kind->tail(&v->table->sight, v->table->bb, v->fit->data.distinct));
     d->flat = fmin(d->flat, largest_finite(v, d->low, d->tail));
 }
 

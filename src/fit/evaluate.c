@@ -33,6 +33,11 @@ static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
     if (!((unsigned)m->fresnel < BRDFFIT_FRESNEL_COUNT && (unsigned)m->diffuse < BRDFFIT_DIFFUSE_COUNT)) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown Fresnel or diffuse term");
     }
+    for (p = 0; p < m->lobes; p++) {
+        if (!brdffit_lobe_kind_masked(distribution_of(m, p), m->masking)) {
+            return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: a masking that its distribution has not");
+        }
+    }
     if ((m->fresnel != BRDFFIT_FRESNEL_NONE && !m->f0) || (brdffit_diffuse_columns(m->diffuse) > 1 && !m->x_more)) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: without F0, or coefficients of the diffuse term");
     }
@@ -53,13 +58,13 @@ static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
 static struct wide lobe_at(const brdffit_model *m, int p, struct twofold s, const struct geometry *first,
                            int coefficients)
 {
-    const struct lobe_kind *kind = brdffit_lobe_kind_of(distribution_of(m, p));
+    const struct lobe_kind *kind = brdffit_lobe_kind_masked(distribution_of(m, p), m->masking);
     struct geometry g = *first;
 
     if (!coefficients && kind->row != brdffit_lobe_kind_of(distribution_of(m, 0))->row) {
         kind->row(&first->angles, &g);
     }
-    return wide_times(wide_of(g.b), brdffit_lobe_factor(kind, s, g.c));
+    return wide_times(wide_of(g.b), brdffit_lobe_at(kind, s, &g));
 }
 
 /* y may be as large as a double gets where phi is as small: neither may vanish or overflow on the way. */
@@ -106,9 +111,9 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
     if (status != BRDFFIT_OK) {
         return status;
     }
-    if (at->form == BRDFFIT_FORM_COEFFICIENTS && (model->fresnel || model->diffuse)) {
+    if (at->form == BRDFFIT_FORM_COEFFICIENTS && (model->fresnel || model->diffuse || model->masking)) {
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
-                            "samples given as a, b, c have no angles for Fresnel and diffuse terms");
+                            "samples given as a, b, c have no angles for Fresnel, masking and diffuse terms");
     }
     if (!out && at->count) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "out is NULL");

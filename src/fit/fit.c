@@ -129,7 +129,7 @@ static brdffit_status check_call(const brdffit_samples *samples, const brdffit_o
     }
     if (samples->form == BRDFFIT_FORM_COEFFICIENTS && brdffit_options_special(options)) {
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
-                            "samples given as a, b, c have no angles for Fresnel and diffuse terms");
+                            "samples given as a, b, c have no angles for Fresnel, masking and diffuse terms");
     }
     if (!workspace || !result) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "workspace or result is NULL");

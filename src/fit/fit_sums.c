@@ -27,7 +27,7 @@ brdffit_status brdffit_sums_init_run(void *memory, size_t size, size_t channels,
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "sums are those of norm l2: the others need the samples");
     }
     if (brdffit_options_special(options)) {
-        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "sums know nothing of Fresnel and diffuse terms");
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "sums know nothing of Fresnel, masking and diffuse terms");
     }
     brdffit_model_make(&model, options);
     if (model.geometries > 1) {

@@ -70,8 +70,10 @@ static brdffit_status check_choices(const brdffit_options *o, brdffit_error *err
     if (!((unsigned)o->masking < BRDFFIT_MASKING_COUNT)) {
         return bad(error, "unknown masking", (double)o->masking);
     }
-    if (o->masking != BRDFFIT_MASKING_V_CAVITY) {
-        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "masking other than by v-cavities is not there yet");
+    for (p = 0; p < o->lobes; p++) {
+        if (!brdffit_lobe_kind_masked(brdffit_model_asked(o, p), o->masking)) {
+            return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "masking is that of Beckmann and GGX lobes only");
+        }
     }
     if (brdffit_diffuse_columns(o->diffuse) + o->lobes * (o->fresnel ? 2 : 1) > COLUMNS_MOST) {
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "lobes, Fresnel and diffuse terms: more than 7 columns");

@@ -50,7 +50,7 @@ static void open_scales(const struct fit *f, const double *sigma, struct scales 
         const struct table *t = varpro_table(&f->varpro, c);
 
         p = model_lobe_of(&f->model, c);
-        v->factor[F + c] = brdffit_lobe_factor(model_kind(&f->model, p), v->s[p], t->c_min);
+        v->factor[F + c] = brdffit_lobe_divisor(model_kind(&f->model, p), v->s[p], &t->sight);
         v->factor[F + c] = wide_times(v->factor[F + c], wide_of(t->scale_b));
     }
 }
@@ -142,8 +142,8 @@ static double shape_error(const struct fit *f, const struct scales *v, int c, si
         t->c[f->data.row_c[r]] *
         v->s[model_lobe_of(&f->model, c)].high; /* -d ln phi / d ln s, of which no other kind has more than 2 */
 
-    exponent = model_column_kind(&f->model, c)->exponential ? fmin(1e30, exponent) : fmin(2.0, 2.0 * exponent);
-    return (TOL_PUBLISHED_EXPONENT * TOL_UNIT + t->snapped) * exponent;
+    exponent = model_column_kind(&f->model, c)->steep ? fmin(1e30, exponent) : fmin(2.0, 2.0 * exponent);
+    return (TOL_PUBLISHED_EXPONENT * TOL_UNIT + t->snapped) * exponent + (t->masked ? TOL_MASKING * TOL_UNIT : 0.0);
 }
 
 /* A fixed column of the rows. */
@@ -184,7 +184,7 @@ static struct channel_sums residuals(const struct fit *f, const struct scales *v
 static double measure_column(const struct fit *f, struct scales *v, int p)
 {
     const struct table *t = varpro_table(&f->varpro, p);
-    int exponential = model_column_kind(&f->model, p)->exponential;
+    int exponential = model_column_kind(&f->model, p)->steep;
     double h = 0.0, off = 0.0, fourth = 0.0, s = v->s[model_lobe_of(&f->model, p)].high;
     size_t j;
 
@@ -203,6 +203,7 @@ static double measure_column(const struct fit *f, struct scales *v, int p)
     }
     v->norm[p] = sqrt(h) * (1.0 + TOL_CURVATURE);
     v->error[p] = (TOL_PUBLISHED_EXPONENT * TOL_UNIT + t->snapped) * sqrt(off) * (1.0 + TOL_CURVATURE);
+    v->error[p] += t->masked ? TOL_MASKING * TOL_UNIT * v->norm[p] : 0.0;
     return fourth > 0.0 ? 1.0 / fourth : 0.0;
 }
 
@@ -218,7 +219,8 @@ static void columns(struct fit *f, struct scales *v, struct published *out)
         int p = model_lobe_of(&f->model, c);
         double effective;
 
-        kind->shape(f->varpro.kernels, t->c, f->data.stride, kind->argument(t->c_min, v->s[p].high), f->varpro.phi);
+        kind->shape(f->varpro.kernels, &t->sight, f->data.stride, kind->argument(&t->sight, v->s[p].high),
+                    f->varpro.phi);
         for (r = 0; r < f->data.rows; r++) {
             f->varpro.column[c][r] = t->row_b[r] * f->varpro.phi[f->data.row_c[r]];
         }
@@ -336,7 +338,8 @@ struct published brdffit_fit_publish(struct fit *f, const double *sigma)
 
 double brdffit_fit_allowance(const struct fit *f, const struct point *at, double objective)
 {
-    double unit = TOL_PUBLISHED * TOL_UNIT, total = f->data.total, geometry;
+    double unit = (TOL_PUBLISHED + (f->data.table[0].masked ? TOL_MASKING : 0.0)) * TOL_UNIT, total = f->data.total,
+           geometry;
 
     geometry = geometry_error(f, at->theta, objective) * (1.0 + TOL_ALLOWANCE);
     if (f->norm != BRDFFIT_NORM_L2) {

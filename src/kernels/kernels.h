@@ -9,6 +9,7 @@
 
 #include "base/point.h"
 #include "brdffit.h"
+#include "kernels/smith_point.h"
 
 /* A functional of the lobe shape: f0 = sum W phi, and its first and second moment of x about a mean. */
 struct functional {
@@ -57,6 +58,12 @@ struct kernels {
     /* GGX: phi[j] = (1 + c[j] u)^-2; minus_ell = 2 c / (1 + c u) and slope = ell^2 / 2. */
     void (*ggx_shape)(const double *c, size_t n, double u, double *phi);
     void (*ggx_slopes)(const double *c, size_t n, double u, double *minus_ell, double *slope);
+
+    /* The same with masking by Smith (model/smith.h): Beckmann and GGX, correlated and separable. */
+    void (*smith_shape[4])(const struct smith_point *at, const double *c, const double *light, const double *view,
+                           size_t n, double *phi);
+    void (*smith_slopes[4])(const struct smith_point *at, const double *c, const double *light, const double *view,
+                            size_t n, double *minus_ell, double *slope);
 
     /* sum bb phi^2, and *first = sum bb phi^2 x. */
     double (*weigh)(const double *bb, const double *phi, const double *x, size_t n, double *first);

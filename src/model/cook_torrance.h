@@ -13,6 +13,9 @@
 #include "model/geometry.h"
 
 void brdffit_cook_torrance_row(const struct geometry_angles *angles, struct geometry *out);
+
+/* The same without G, and the tangents that Smith's needs. */
+void brdffit_cook_torrance_bare_row(const struct geometry_angles *angles, struct geometry *out);
 double brdffit_cook_torrance_table_factor(double cos2_half);
 
 #endif

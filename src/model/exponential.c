@@ -9,17 +9,17 @@
 #include "base/tolerance.h"
 #include "model/weight.h"
 
-void brdffit_exponential_variable(double c_min, double theta, double u[3])
+void brdffit_exponential_variable(const struct lobe_sight *sight, double theta, double u[3])
 {
-    (void)c_min;
+    (void)sight;
     u[0] = kernel_exp(theta);
     u[1] = u[0];
     u[2] = u[0];
 }
 
-double brdffit_exponential_argument(double c_min, double s)
+double brdffit_exponential_argument(const struct lobe_sight *sight, double s)
 {
-    (void)c_min;
+    (void)sight;
     return s;
 }
 
@@ -30,12 +30,12 @@ void brdffit_exponential_slope(double c, double u, double *ell, double *slope)
     *slope = 0.0;
 }
 
-double brdffit_exponential_tail(const double *c, const double *bb, size_t m, double c_min)
+double brdffit_exponential_tail(const struct lobe_sight *sight, const double *bb, size_t m)
 {
+    const double *c = sight->c;
     double least = weight_least_c(c, bb, m), sharpest = weight_sharpest(c, bb, m, least), tail = 0.0, most = 0.0, cap;
     size_t j;
 
-    (void)c_min;
     for (j = 0; j < m; j++) {
         most = c[j] > least && bb[j] > most ? bb[j] : most;
     }
@@ -64,7 +64,8 @@ double brdffit_exponential_sensitivity(double s, double c)
     return s;
 }
 
-void brdffit_exponential_shape(const struct kernels *kernels, const double *c, size_t n, double u, double *phi)
+void brdffit_exponential_shape(const struct kernels *kernels, const struct lobe_sight *sight, size_t n, double u,
+                               double *phi)
 {
-    kernels->exponential_shape(c, n, u, phi);
+    kernels->exponential_shape(sight->c, n, u, phi);
 }

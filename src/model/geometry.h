@@ -13,6 +13,7 @@ struct geometry_angles {
     double cos_view;       /* n.v */
     double tan2_half;      /* tan^2 alpha */
     double cos_difference; /* v.h */
+    double tan2_light, tan2_view; /* tan^2 of the angles with the normal */
     double versine;        /* 1 - v.h, which would cancel */
     double versine_error;  /* relative */
     double off_mirror;     /* 1 - r.v, r the mirrored light; not 0 only where `accurate` */
@@ -34,6 +35,7 @@ struct geometry {
     double b_error;     /* relative */
     double c_error;     /* absolute */
     double b_hidden, c_hidden;
+    double tan2_light, tan2_view; /* of the angles with the normal, where masking needs them (masked.c) */
     struct geometry_angles angles; /* what they come from; not set for given coefficients */
 };
 

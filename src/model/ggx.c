@@ -13,23 +13,24 @@
 #include "model/lobe.h"
 #include "model/weight.h"
 
-static void variable(double c_min, double theta, double u[3])
+static void variable(const struct lobe_sight *sight, double theta, double u[3])
 {
-    double s = kernel_exp(theta), product = c_min * s, rest = 1.0 / (1.0 + product);
+    double s = kernel_exp(theta), product = sight->c_min * s, rest = 1.0 / (1.0 + product);
 
     u[0] = s * rest;
     u[1] = u[0] * rest;
     u[2] = u[1] * ((1.0 - product) * rest);
 }
 
-static void shape(const struct kernels *kernels, const double *c, size_t n, double u, double *phi)
+static void shape(const struct kernels *kernels, const struct lobe_sight *sight, size_t n, double u, double *phi)
 {
-    kernels->ggx_shape(c, n, u, phi);
+    kernels->ggx_shape(sight->c, n, u, phi);
 }
 
-static void slopes(const struct kernels *kernels, const double *c, size_t n, double u, double *minus_ell, double *slope)
+static void slopes(const struct kernels *kernels, const struct lobe_sight *sight, size_t n, double u, double *minus_ell,
+                   double *slope)
 {
-    kernels->ggx_slopes(c, n, u, minus_ell, slope);
+    kernels->ggx_slopes(sight->c, n, u, minus_ell, slope);
 }
 
 static void slope(double c, double u, double *ell, double *slope)
@@ -38,9 +39,9 @@ static void slope(double c, double u, double *ell, double *slope)
     *slope = 0.5 * *ell * *ell;
 }
 
-static double argument(double c_min, double s)
+static double argument(const struct lobe_sight *sight, double s)
 {
-    return s / (1.0 + c_min * s);
+    return s / (1.0 + sight->c_min * s);
 }
 
 static double lambda(double s)
@@ -61,8 +62,9 @@ static struct wide phi(struct twofold s, double c)
  * Where c_min = 0, phi falls like (c s)^-2 towards 0. Where c_min > 0 it goes to (c_min / c)^2 as u goes to 1 / c_min,
  * like 1 / (c_min s), and only that decides: phi may be far from its limit long after c s is large.
  */
-static double tail(const double *c, const double *bb, size_t m, double c_min)
+static double tail(const struct lobe_sight *sight, const double *bb, size_t m)
 {
+    const double *c = sight->c, c_min = sight->c_min;
     double least = weight_least_c(c, bb, m), sharpest = weight_sharpest(c, bb, m, least), tail = 0.0;
     size_t j;
 
@@ -89,20 +91,21 @@ static double sensitivity(double s, double c)
     return 2.0 * s / (1.0 + c * s);
 }
 
+/* What does not depend on masking. */
+#define GGX_MEMBERS                                                                                                    \
+    .variable = variable, .shape = shape, .slopes = slopes, .slope = slope, .argument = argument, .lambda = lambda,    \
+    .phi = phi, .exponent = exponent, .tail = tail, .sensitivity = sensitivity
+
 const struct lobe_kind brdffit_lobe_ggx = {
     .name = "ggx",
     .title = "GGX",
     .row = brdffit_cook_torrance_row,
     .table_kind = TABLE_ROW_SHADOWED,
     .table_factor = brdffit_cook_torrance_table_factor,
-    .variable = variable,
-    .shape = shape,
-    .slopes = slopes,
-    .slope = slope,
-    .argument = argument,
-    .lambda = lambda,
-    .phi = phi,
-    .exponent = exponent,
-    .tail = tail,
-    .sensitivity = sensitivity,
+    GGX_MEMBERS,
+};
+
+const struct lobe_kind brdffit_lobe_ggx_bare = {
+    .row = brdffit_cook_torrance_bare_row,
+    GGX_MEMBERS,
 };

@@ -32,12 +32,22 @@ enum table_row_kind {
     TABLE_ROW_SIDE      /* shared l / max(l, v), shared = 1 / (v.h) */
 };
 
+/* What a kind sees of the samples' groups: c - c_min and, with Smith's masking only, tan^2 of the angles of light and
+ * viewer, the smaller first, and a number above all of them. */
+struct lobe_sight {
+    double c_min;
+    const double *c, *light, *view;
+    double tan2_most;
+};
+
 struct lobe_kind {
     const char *name;  /* as an option takes it */
     const char *title; /* as a sentence has it */
     int by_exponent; /* the user's parameter is the exponent n = s, and not sigma = 1 / sqrt(s) */
     int exponential; /* the fast case: ell = -c' whatever u is, and slope = 0 */
     int mirrored;    /* b and c are made of r.v, and not of alpha */
+    int steep;       /* phi has a factor exp(-c' s), alone (exponential) or beside masking */
+    int smith; /* masking by Smith: phi depends on more than c, it may be above 1, and mu does not fall with distance */
 
     /* ---- geometry ---- */
 
@@ -52,16 +62,16 @@ struct lobe_kind {
     /* ---- phi ---- */
 
     /* u and its first and second derivative by theta. */
-    void (*variable)(double c_min, double theta, double u[3]);
+    void (*variable)(const struct lobe_sight *sight, double theta, double u[3]);
 
     /* u at s itself: variable() is that of kernel_exp(theta). */
-    double (*argument)(double c_min, double s);
+    double (*argument)(const struct lobe_sight *sight, double s);
 
     /* phi(u, c_j) for n (a multiple of LANES) values. */
-    void (*shape)(const struct kernels *kernels, const double *c, size_t n, double u, double *phi);
+    void (*shape)(const struct kernels *kernels, const struct lobe_sight *sight, size_t n, double u, double *phi);
 
     /* -ell and slope at each c; NULL for exponential ones. */
-    void (*slopes)(const struct kernels *kernels, const double *c, size_t n, double u, double *minus_ell,
+    void (*slopes)(const struct kernels *kernels, const struct lobe_sight *sight, size_t n, double u, double *minus_ell,
                    double *slope);
 
     /* ell and slope at one c. */
@@ -72,17 +82,21 @@ struct lobe_kind {
     /* lambda(s). */
     double (*lambda)(double s);
 
-    /* phi(s, c), however small. */
+    /* phi(s, c), however small; of tan^2 of light and viewer what masking makes of them is a factor. */
     struct wide (*phi)(struct twofold s, double c);
+    double (*masking)(double s, double light, double view); /* NULL: 1, or in b */
 
-    /* ln(1 / phi(s, c_min)): how far the factor falls, but for lambda. */
+    /* A part of the factor in (0, 1] that depends on the samples; NULL: 1. */
+    double (*conversion)(const struct lobe_sight *sight, double s);
+
+    /* ln(1 / phi(s, c_min)): how far the factor falls, but for lambda and conversion. */
     double (*exponent)(double c_min, double s);
 
     /*
      * An s beyond which phi(u(s), c_j) sqrt(bb_j / bb_0) is within exp(-TAIL_EXPONENT) of its limit for
      * every c_j > 0 (in any order; bb_0 of c = 0), so that nothing changes to rounding. 0 when nothing ever changes.
      */
-    double (*tail)(const double *c, const double *bb, size_t m, double c_min);
+    double (*tail)(const struct lobe_sight *sight, const double *bb, size_t m);
 
     /* -d ln g / dc at (s, c): what an error of c does to g. Does not rise with c. */
     double (*sensitivity)(double s, double c);
@@ -91,11 +105,23 @@ struct lobe_kind {
 extern const struct lobe_kind brdffit_lobe_beckmann, brdffit_lobe_ggx, brdffit_lobe_torrance_sparrow, brdffit_lobe_ward,
     brdffit_lobe_blinn_phong, brdffit_lobe_ashikhmin_shirley, brdffit_lobe_lafortune;
 
+/* GGX without masking. */
+extern const struct lobe_kind brdffit_lobe_ggx_bare;
+
 /* The distribution must be one of ours. */
 const struct lobe_kind *brdffit_lobe_kind_of(brdffit_distribution distribution);
 
+/* The same with a masking; NULL where the distribution has it not. */
+const struct lobe_kind *brdffit_lobe_kind_masked(brdffit_distribution distribution, brdffit_masking masking);
+
 /* lambda(s) phi(s, c): g / b, and what y is divided by at c_min; within a dozen u, however small. */
 struct wide brdffit_lobe_factor(const struct lobe_kind *kind, struct twofold s, double c);
+
+/* g / b at a sample: the same, and masking. */
+struct wide brdffit_lobe_at(const struct lobe_kind *kind, struct twofold s, const struct geometry *g);
+
+/* What y is divided by: lambda(s) phi(s, c_min) and the conversion. */
+struct wide brdffit_lobe_divisor(const struct lobe_kind *kind, struct twofold s, const struct lobe_sight *sight);
 
 /* What the cells of one theta_h share: b is `factor` times the table row's b, a is n.l / pi. */
 struct geometry_table_row {

@@ -26,6 +26,20 @@ struct wide brdffit_lobe_factor(const struct lobe_kind *kind, struct twofold s, 
     return wide_times(wide_of(kind->lambda(s.high)), kind->phi(s, c));
 }
 
+struct wide brdffit_lobe_at(const struct lobe_kind *kind, struct twofold s, const struct geometry *g)
+{
+    struct wide out = brdffit_lobe_factor(kind, s, g->c);
+
+    return kind->masking ? wide_times(out, wide_of(kind->masking(s.high, g->tan2_light, g->tan2_view))) : out;
+}
+
+struct wide brdffit_lobe_divisor(const struct lobe_kind *kind, struct twofold s, const struct lobe_sight *sight)
+{
+    struct wide out = brdffit_lobe_factor(kind, s, sight->c_min);
+
+    return kind->conversion ? wide_times(out, wide_of(kind->conversion(sight, s.high))) : out;
+}
+
 static int is_ours(brdffit_distribution distribution)
 {
     return (unsigned)distribution < BRDFFIT_DISTRIBUTION_COUNT;

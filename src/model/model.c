@@ -77,11 +77,12 @@ void brdffit_model_make(struct model *m, const brdffit_options *o)
 
     m->lobes = m->sides = m->kinds = m->geometries = m->lead = 0;
     m->diffuse = o->diffuse;
+    m->masking = o->masking;
     m->fixed = brdffit_diffuse_columns(o->diffuse);
     m->each = o->fresnel == BRDFFIT_FRESNEL_SCHLICK ? 2 : 1;
     m->columns = m->fixed;
     for (p = 0; p < o->lobes; p++) {
-        const struct lobe_kind *wanted = brdffit_lobe_kind_of(brdffit_model_asked(o, p));
+        const struct lobe_kind *wanted = brdffit_lobe_kind_masked(brdffit_model_asked(o, p), o->masking);
 
         if (place_of(m, wanted) == m->kinds) {
             add_kind(m, wanted);
@@ -91,7 +92,7 @@ void brdffit_model_make(struct model *m, const brdffit_options *o)
         for (p = 0; p < o->lobes; p++) {
             brdffit_distribution distribution = brdffit_model_asked(o, p);
 
-            if (m->kind[kind] == brdffit_lobe_kind_of(distribution)) {
+            if (m->kind[kind] == brdffit_lobe_kind_masked(distribution, o->masking)) {
                 add_lobe(m, kind, distribution);
             }
         }

@@ -33,6 +33,7 @@ struct model {
     int fixed, each;  /* columns without a shape; columns of a lobe */
     int axes, bases;  /* kinds and geometries of first columns */
     brdffit_diffuse diffuse;
+    brdffit_masking masking;
     int lead; /* the geometry that samples are looked at with: one that asks for the mirror direction, where there is one */
     const struct lobe_kind *kind[KINDS_MOST];
     int geometry[KINDS_MOST]; /* of each kind: index of its row of b and c */

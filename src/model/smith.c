@@ -33,7 +33,9 @@ void brdffit_smith_scale(enum smith_family family, double c_min, double tan2_mos
 
 void brdffit_smith_variable(const struct smith_scale *scale, double theta, double u[3])
 {
-    brdffit_lobe_ggx.variable(scale->kappa, theta, u);
+    const struct lobe_sight sight = {.c_min = scale->kappa};
+
+    brdffit_lobe_ggx.variable(&sight, theta, u);
 }
 
 double brdffit_smith_argument(const struct smith_scale *scale, double s)
@@ -188,7 +190,8 @@ void brdffit_smith_tangents(enum smith_family family, double s, double light, do
 double brdffit_smith_tail(enum smith_family family, const struct smith_scale *scale, const double *c, const double *bb,
                           size_t m)
 {
+    const struct lobe_sight sight = {.c_min = scale->c_min, .c = c};
     double own = is_exponential(family) ? TAIL_EXPONENT * 0.25 : kernel_exp(TAIL_EXPONENT);
 
-    return fmax(normals_of(family)->tail(c, bb, m, scale->c_min), own * scale->widest);
+    return fmax(normals_of(family)->tail(&sight, bb, m), own * scale->widest);
 }

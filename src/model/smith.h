@@ -1,7 +1,7 @@
 /*
  * Lobes with Smith's masking (Smith 1967; Walter et al. 2007; Heitz 2014): what theory 4.4 asks of a family, for one
  * whose samples have three numbers, c = tan^2 alpha and tau^2 = tan^2 of the angles of light and viewer with the normal.
- * Nothing here is called by the engines yet. SPDX-License-Identifier: MIT
+ * masked.c makes kinds of lobes of it. SPDX-License-Identifier: MIT
  *
  *     g = b s shape(s, c) G2,    shape = (1 + c s)^-2 or exp(-c s),    s = 1 / sigma^2
  *     correlated: G2 = 2 sqrt s / (d_l + d_v)          separable: G2 = 4 s / [(sqrt s + d_l) (sqrt s + d_v)]

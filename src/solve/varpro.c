@@ -65,10 +65,10 @@ static void lobe_columns(struct varpro *v, int p, double theta, int derivatives)
     double u[3];
     size_t r;
 
-    kind->variable(table->c_min, theta, u);
-    kind->shape(v->kernels, table->c, data->stride, u[0], v->phi);
+    kind->variable(&table->sight, theta, u);
+    kind->shape(v->kernels, &table->sight, data->stride, u[0], v->phi);
     if (derivatives && !kind->exponential) {
-        kind->slopes(v->kernels, table->c, data->stride, u[0], v->x, v->slope);
+        kind->slopes(v->kernels, &table->sight, data->stride, u[0], v->x, v->slope);
     }
     for (c = first; c < first + v->model->each; c++) {
         const double *row_b = varpro_table(v, c)->row_b;

@@ -37,7 +37,7 @@ void brdffit_cli_merge_help(void)
                                  "Exit status: that of one run without --shard; or 1 when something cannot be\n"
                                  "read or written, or memory ran out, 2 wrong usage, and 3 when the parts are not\n"
                                  "all of one run.\n");
-    brdffit_cli_show(&text);
+    brdffit_cli_say(brdffit_cli_text_string(&text));
     brdffit_cli_text_free(&text);
 }
 

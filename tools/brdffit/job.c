@@ -12,6 +12,7 @@
 #include "failure.h"
 #include "interrupt.h"
 #include "terms.h"
+#include "weigh.h"
 
 double brdffit_cli_clock(void)
 {
@@ -228,19 +229,41 @@ static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
     }
 }
 
-void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const char *path)
+/* Sums have weight 1 throughout, and know the plain model alone. */
+static int fits_sums(const struct cli_fitter *fitter)
 {
-    const int sums = fitter->settings->verify == NULL && !brdffit_cli_special(&fitter->options);
-    read_table(job, fitter, path, sums ? &fitter->options : NULL);
+    const struct cli_settings *const settings = fitter->settings;
+    return settings->verify == NULL && !brdffit_cli_special(&fitter->options) &&
+           (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
+}
+
+static void weigh(struct cli_job *job, const struct cli_settings *settings)
+{
+    job->weighting = brdffit_cli_weighting(job->table, settings->weight);
+    job->status = brdffit_cli_weigh(job->table, settings->weight, &job->weights, &job->error);
+}
+
+void brdffit_cli_job_open(struct cli_job *job, struct cli_fitter *fitter, const char *path)
+{
+    read_table(job, fitter, path, fits_sums(fitter) ? &fitter->options : NULL);
     if (job->status == BRDFFIT_OK) {
-        fit(job, fitter);
+        weigh(job, fitter->settings);
     }
-    if (job->table != NULL && job->table->sums != NULL && !sums_suffice(job)) {
+}
+
+void brdffit_cli_job_fit(struct cli_job *job, struct cli_fitter *fitter)
+{
+    fit(job, fitter);
+    if (job->table->sums != NULL && !sums_suffice(job)) {
         job->status = brdffit_io_samples(job->table, &job->error);
         if (job->status == BRDFFIT_OK) {
             fit(job, fitter);
         }
     }
+}
+
+void brdffit_cli_job_check(struct cli_job *job, struct cli_fitter *fitter)
+{
     if (job->status == BRDFFIT_OK) {
         tell_f0(job, fitter);
     }
@@ -252,12 +275,23 @@ void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const c
     }
 }
 
+void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const char *path)
+{
+    brdffit_cli_job_open(job, fitter, path);
+    if (job->status == BRDFFIT_OK) {
+        brdffit_cli_job_fit(job, fitter);
+    }
+    brdffit_cli_job_check(job, fitter);
+}
+
 void brdffit_cli_job_free(struct cli_job *job)
 {
     free(job->f0_low);
     job->f0_low = job->f0_high = NULL;
     brdffit_io_free(job->table);
+    free(job->weights);
     job->table = NULL;
+    job->weights = NULL;
 }
 
 int brdffit_cli_job_exit(const struct cli_job *job)

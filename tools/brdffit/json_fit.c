@@ -7,6 +7,7 @@
 
 #include "failure.h"
 #include "lobes.h"
+#include "lobes_auto.h"
 #include "shard.h"
 #include "terms.h"
 #include "words.h"
@@ -318,45 +319,52 @@ static void result_members(struct cli_json *json, const struct cli_job *job, con
         proven_ranges(json, result, &fitter->options, 1);
     }
     brdffit_cli_json_source(json, job, fitter->settings);
+    brdffit_cli_json_string(json, "weighting", brdffit_weighting_string(job->weighting));
     if (job->table->format == BRDFFIT_IO_FORMAT_MERL && fitter->io.directions != NULL) {
         directions(json, fitter->io.directions);
     }
+}
+
+void brdffit_cli_json_fit_members(struct cli_json *json, const struct cli_job *job, const struct cli_fitter *fitter)
+{
+    const int fitted = job->status == BRDFFIT_OK && !job->not_begun;
+    brdffit_cli_json_string(json, "schema", "brdffit.fit/1");
+    brdffit_cli_json_path(json, job->path);
+    brdffit_cli_json_string(json, "status",
+                            !fitted                                           ? "error"
+                            : job->result->stop == BRDFFIT_STOP_CONTRADICTION ? "contradiction"
+                            : job->result->certified                          ? "certified"
+                                                                              : "gap_open");
+    if (!fitted) {
+        brdffit_cli_json_error(json, job);
+    }
+    brdffit_cli_json_lobes(json, &fitter->options);
+    brdffit_cli_json_string(json, "norm", brdffit_norm_string(fitter->options.norm));
+    if (fitter->options.norm == BRDFFIT_NORM_L2) {
+        brdffit_cli_json_string(json, "engine", brdffit_engine_string(fitter->options.engine));
+    } else {
+        brdffit_cli_json_null(json, "engine");
+    }
+    brdffit_cli_json_count(json, "lobes", (size_t)fitter->options.lobes);
+    if (fitted) {
+        result_members(json, job, fitter);
+    }
+    if (!job->not_begun) {
+        brdffit_cli_json_open(json, "seconds", '{');
+        brdffit_cli_json_number(json, "read", job->read_seconds);
+        brdffit_cli_json_number(json, "reduce", job->reduce_seconds);
+        brdffit_cli_json_number(json, "search", job->search_seconds);
+        brdffit_cli_json_close(json, '}');
+    }
+    brdffit_cli_json_trials(json, job, fitter);
 }
 
 void brdffit_cli_json_fit(struct cli_text *text, const struct cli_job *job, const struct cli_fitter *fitter)
 {
     struct cli_json json = {text, 0};
     const size_t start = text->size;
-    const int fitted = job->status == BRDFFIT_OK && !job->not_begun;
     brdffit_cli_json_open(&json, NULL, '{');
-    brdffit_cli_json_string(&json, "schema", "brdffit.fit/1");
-    brdffit_cli_json_path(&json, job->path);
-    brdffit_cli_json_string(&json, "status",
-                            !fitted                                           ? "error"
-                            : job->result->stop == BRDFFIT_STOP_CONTRADICTION ? "contradiction"
-                            : job->result->certified                          ? "certified"
-                                                                              : "gap_open");
-    if (!fitted) {
-        brdffit_cli_json_error(&json, job);
-    }
-    brdffit_cli_json_lobes(&json, &fitter->options);
-    brdffit_cli_json_string(&json, "norm", brdffit_norm_string(fitter->options.norm));
-    if (fitter->options.norm == BRDFFIT_NORM_L2) {
-        brdffit_cli_json_string(&json, "engine", brdffit_engine_string(fitter->options.engine));
-    } else {
-        brdffit_cli_json_null(&json, "engine");
-    }
-    brdffit_cli_json_count(&json, "lobes", (size_t)fitter->options.lobes);
-    if (fitted) {
-        result_members(&json, job, fitter);
-    }
-    if (!job->not_begun) {
-        brdffit_cli_json_open(&json, "seconds", '{');
-        brdffit_cli_json_number(&json, "read", job->read_seconds);
-        brdffit_cli_json_number(&json, "reduce", job->reduce_seconds);
-        brdffit_cli_json_number(&json, "search", job->search_seconds);
-        brdffit_cli_json_close(&json, '}');
-    }
+    brdffit_cli_json_fit_members(&json, job, fitter);
     if (fitter->shard != NULL) {
         brdffit_cli_shard_stamp(text, start, fitter->shard, job->position);
     }

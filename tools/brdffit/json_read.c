@@ -9,6 +9,7 @@
 
 #include "failure.h"
 #include "terms.h"
+#include "weigh.h"
 
 /* ---- Members ----------------------------------------------------------- */
 
@@ -262,6 +263,9 @@ static const char *read_source(struct cli_fit *fit, const cJSON *object)
     if (!choice_member(object, "quantity", brdffit_cli_quantity_choices, &fit->quantity)) {
         return "quantity";
     }
+    if (!choice_member(object, "weighting", brdffit_cli_weight_choices, &fit->weighting)) {
+        return "weighting";
+    }
     if (!choice_member(object, "merl_bins", brdffit_cli_bins_choices, &fit->merl_bins)) {
         return "merl_bins";
     }
@@ -307,6 +311,7 @@ static const char *read_fit(struct cli_fit *fit, const cJSON *object)
     brdffit_options_init(&defaults);
     fit->max_incidence = defaults.max_incidence;
     fit->quantity = CLI_UNSET;
+    fit->weighting = CLI_UNSET;
     const char *bad = read_model(fit, object);
     if (bad == NULL) {
         bad = read_names(fit, object);

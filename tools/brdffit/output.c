@@ -177,10 +177,9 @@ void brdffit_cli_output_abandon(struct cli_output *output)
     memset(output, 0, sizeof *output);
 }
 
-void brdffit_cli_show(const struct cli_text *text)
+void brdffit_cli_say(const char *text)
 {
-    errno = 0;
-    if (fputs(brdffit_cli_text_string(text), stdout) < 0 || fflush(stdout) != 0) {
+    if (fputs(text, stdout) == EOF || fflush(stdout) != 0) {
         (void)complain("standard output", "cannot write", errno);
     }
 }

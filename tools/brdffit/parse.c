@@ -7,7 +7,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "criteria.h"
 #include "lobes.h"
+#include "models.h"
 #include "settings.h"
 #include "suggest.h"
 #include "terms.h"
@@ -221,6 +223,7 @@ static void set_defaults(struct cli_settings *settings)
     brdffit_options_init(&fit);
     memset(settings, 0, sizeof *settings);
     settings->distribution = CLI_UNSET;
+    settings->model_distribution = (int)fit.distribution;
     settings->norm = (int)fit.norm;
     settings->engine = (int)fit.engine;
     settings->verify_margin = 1e-3;
@@ -238,9 +241,12 @@ static void set_defaults(struct cli_settings *settings)
     settings->max_incidence = CLI_UNSET;
     settings->box_budget = fit.box_budget;
     settings->values = CLI_UNSET;
+    settings->weight = CLI_UNSET;
     settings->format = BRDFFIT_IO_FORMAT_AUTO;
     settings->merl_bins = BRDFFIT_IO_MERL_EDGE;
     settings->merl_samples = "table";
+    settings->criterion = CLI_BIC;
+    settings->threshold = CLI_TELLING;
 }
 
 /* Measurements are not to be lost to a slip of the keyboard. */
@@ -274,7 +280,7 @@ static enum cli_parse check_range(const struct parser *p, const char *name, doub
     for (int k = 0; k < s->lobes; k++) {
         found |= strcmp(name, brdffit_parameter_string(s->distributions[k])) == 0;
     }
-    if (found || (low == default_low && high == default_high)) {
+    if (found || p->command == CLI_COMPARE || (low == default_low && high == default_high)) {
         return CLI_PARSED;
     }
     const char *parameter = brdffit_parameter_string(s->distributions[0]);
@@ -402,6 +408,40 @@ static enum cli_parse check_together(const struct parser *p)
     return verify == CLI_PARSED ? check_output(p) : verify;
 }
 
+/* Options and files, over what the settings hold. */
+static enum cli_parse parse_arguments(const struct parser *p, int argc, char **argv)
+{
+    struct cli_settings *const settings = p->settings;
+    int options_ended = 0;
+    settings->file_count = 0;
+    for (int at = 1; at < argc; at++) {
+        if (options_ended || argv[at][0] != '-' || argv[at][1] == '\0') {
+            settings->files[settings->file_count++] = argv[at];
+        } else if (strcmp(argv[at], "--") == 0) {
+            options_ended = 1;
+        } else {
+            const enum cli_parse answer = parse_option(p, argc, argv, &at);
+            if (answer != CLI_PARSED) {
+                return answer;
+            }
+        }
+    }
+    return CLI_PARSED;
+}
+
+/* --model stands for options, and those that are given with it come after it wherever it stands: once more, over them. */
+static enum cli_parse parse_over_model(const struct parser *p, int argc, char **argv)
+{
+    const char **const files = p->settings->files;
+    const char *const model = p->settings->model;
+    set_defaults(p->settings);
+    p->settings->files = files;
+    if (brdffit_cli_take_model(p->settings, p->command_name, model) != 0) {
+        return usage(p);
+    }
+    return parse_arguments(p, argc, argv);
+}
+
 enum cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int argc, char **argv,
                                  struct cli_settings *settings)
 {
@@ -412,19 +452,10 @@ enum cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int
         fprintf(stderr, "brdffit: out of memory\n");
         return CLI_PARSE_FAILED;
     }
-    int options_ended = 0;
-    for (int at = 1; at < argc; at++) {
-        if (options_ended || argv[at][0] != '-' || argv[at][1] == '\0') {
-            settings->files[settings->file_count++] = argv[at];
-        } else if (strcmp(argv[at], "--") == 0) {
-            options_ended = 1;
-        } else {
-            const enum cli_parse answer = parse_option(&p, argc, argv, &at);
-            if (answer != CLI_PARSED) {
-                return answer;
-            }
-        }
+    enum cli_parse answer = parse_arguments(&p, argc, argv);
+    if (answer == CLI_PARSED && settings->model != NULL) {
+        answer = parse_over_model(&p, argc, argv);
     }
     brdffit_cli_settle_incidence(settings);
-    return check_together(&p);
+    return answer == CLI_PARSED ? check_together(&p) : answer;
 }

@@ -16,6 +16,7 @@
 #define CLI_INFO 4u
 #define CLI_MAP 8u
 #define CLI_MERGE 16u
+#define CLI_COMPARE 32u
 
 /* An option that can be left out and was. */
 #define CLI_UNSET (-1)
@@ -42,6 +43,7 @@ struct cli_settings {
     double max_incidence; /* CLI_UNSET until all options are read */
     size_t box_budget;
     int values; /* CLI_UNSET, or a brdffit_quantity */
+    int weight; /* CLI_UNSET, or a brdffit_weighting */
     int format;
     int merl_bins;
     const char *merl_samples; /* "table", "84" or a file of directions */
@@ -59,6 +61,15 @@ struct cli_settings {
     int stats;
     size_t tile;    /* rows; 0: by the size of a row */
     size_t threads; /* 0: as many as there are processors */
+    /* models by name */
+    const char *model;  /* fit --model: a preset or a form; NULL: not given */
+    int model_distribution; /* what it says that --distribution may replace, */
+    char model_lobes[80];   /* and --lobes */
+    int lobes_auto;     /* fit --lobes auto */
+    const char *models; /* compare --models; NULL: the default list */
+    int criterion;      /* cli_criterion */
+    double threshold;   /* of its differences */
+    int count_all;      /* --observations all */
     const char **files; /* in the order given; the array is owned */
     size_t file_count;
 };

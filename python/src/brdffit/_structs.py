@@ -18,6 +18,7 @@ STATUS = ("ok", "argument", "option", "unsupported", "workspace", "value", "no_s
           "format")
 FORM = ("directions", "angles", "coefficients")
 QUANTITY = ("brdf", "radiance")
+WEIGHTING = ("none", "column", "cosine", "solid-angle", "relative")
 SKIP = ("zero_weight", "light_below_horizon", "view_below_horizon", "incidence")
 NORM = ("l2", "l1", "linf")
 ENGINE = ("moment", "socp")

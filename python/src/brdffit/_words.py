@@ -25,6 +25,11 @@ SKIPPED = (("incidence", "lit from beyond %.6g°"), ("light_below_horizon", "wit
            ("masked", "masked (not measured)"), ("absent", "with an empty field"),
            ("cell_below_horizon", "cells beyond the hemisphere"))
 
+WEIGHTS = {"none": "Samples count alike.", "column": "Samples have weights of their own.",
+           "cosine": "Samples are weighted by the cosine of the light.",
+           "solid-angle": "Samples are weighted by the solid angle that each stands for.",
+           "relative": "Samples are weighted by one over their squared values."}
+
 # Order of the members of `brdffit fit --json`.
 _MEMBERS = ("schema", "file", "status", "distribution", "distributions", "fresnel", "diffuse", "masking", "norm", "engine",
             "lobes", "sigma", "exponent", "x", "y", "f0", "ior", "f0_interval", "x_more", "channel_scale", "e2", "objective",
@@ -32,7 +37,8 @@ _MEMBERS = ("schema", "file", "status", "distribution", "distributions", "fresne
             "kkt_residual", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
             "weight", "effective_samples", "sigma_interval", "exponent_interval", "warnings", "channels", "normalise",
             "sigma_range", "exponent_range", "relative_gap", "absolute_gap", "sigma_resolution", "box_budget",
-            "max_incidence", "proven_sigma", "proven_exponent", "format", "quantity", "merl_bins", "merl_samples", "seconds")
+            "max_incidence", "proven_sigma", "proven_exponent", "format", "quantity", "merl_bins", "merl_samples",
+            "weighting", "seconds")
 _WHERE_THERE = ("f0", "ior", "x_more")  # f0_interval: null where there is an f0 but none of it
 _ONLY_BY_EXPONENT = ("exponent", "exponent_interval", "exponent_range")  # proven_exponent: where there is an exponent
 
@@ -272,6 +278,10 @@ def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
             for row in rows]
 
 
+def _paragraphs(fit: Fit) -> list[str]:
+    return [certificate(fit), *([WEIGHTS[fit.weighting]] if fit.weighting != "none" else []), *warnings(fit)]
+
+
 def text(fit: Fit) -> str:
     import textwrap
 
@@ -281,7 +291,7 @@ def text(fit: Fit) -> str:
     lines += ["", *_columns(lobe_table(fit)), "", *_columns(channel_table(fit)), ""]
     for table in _terms.tables(fit):
         lines += [*_columns(table), ""]
-    for paragraph in (certificate(fit), *warnings(fit)):
+    for paragraph in _paragraphs(fit):
         lines += textwrap.wrap(paragraph, 79, initial_indent="  ", subsequent_indent="  ")
     return "\n".join(lines)
 
@@ -299,5 +309,5 @@ def html(fit: Fit) -> str:
     if skipped(fit):
         parts.append("<p>Skipped: %s</p>" % _html.escape(skipped(fit)))
     parts += [html_table(lobe_table(fit)), html_table(channel_table(fit)), *map(html_table, _terms.tables(fit))]
-    parts += ["<p>%s</p>" % _html.escape(paragraph) for paragraph in (certificate(fit), *warnings(fit))]
+    parts += ["<p>%s</p>" % _html.escape(paragraph) for paragraph in _paragraphs(fit)]
     return "<div class='brdffit'>%s</div>" % "".join(parts)

@@ -60,6 +60,7 @@ class Fit(Frozen):
     sigma_interval: P x 2, where E^2 is the optimum's to rounding; warnings: per lobe, of "unresolved", "flat",
         "unused", "at_limit"
     samples_used, samples_skipped: how many, and by reason
+    weighting: what samples counted for, see `Samples.weighted`
     seconds: read (when it was a file), reduce (where it was told apart), search; None in fits of fit_many, which are
         not timed one by one
     """
@@ -121,6 +122,7 @@ class Fit(Frozen):
     f0: Floats | None = None
     x_more: Floats | None = None
     f0_interval: Floats | None = None
+    weighting: str = "none"
 
     def __post_init__(self) -> None:
         if not self.distributions and self.distribution is not None:  # from before there were lists
@@ -243,6 +245,7 @@ class Fit(Frozen):
         members: dict[str, Any] = {name: given.get(name) for name in names}
         members["e2_error"] = given.get("e2_error", 0.0)
         members.update({kind: given.get(kind) or name for kind, name in _terms.DEFAULTS.items()})
+        members["weighting"] = given.get("weighting") or "none"
         members["distributions"] = tuple(given["distributions"]) if given.get("distributions") else ()
         for name, missing_one in (("exponent", np.nan), ("exponent_interval", (np.nan, np.nan))):
             if members[name] is not None:
@@ -287,13 +290,14 @@ def fit(samples: SamplesLike, *, lobes: int | Sequence[str] = 1, distribution: s
         engine: str = "moment", normalise: str = "max", sigma_range: tuple[float, float] = (1e-12, 6.0),
         exponent_range: tuple[float, float] = (0.1, 1e7), relative_gap: float = 1e-3, absolute_gap: float = 1e-12,
         sigma_resolution: float = 0.0, box_budget: int = 1_000_000, max_incidence: float | None = None,
-        socp_every_box: bool = False, isa: str = "auto", verify: float | None = None,
-        progress: ProgressArgument = None, fresnel: str = "none", diffuse: str = "lambert",
+        socp_every_box: bool = False, isa: str = "auto", weight: str | None = None,
+        verify: float | None = None, progress: ProgressArgument = None, fresnel: str = "none", diffuse: str = "lambert",
         masking: str = "v-cavity") -> Fit:
     """Fit a model to samples (or to a file of them) and prove how close to the best it is.
 
     Options are explained at `Options`.
 
+    weight: what samples count for, as of `Samples.weighted`; None: the weights that they have
     verify: prove the bound again with engine socp, less this margin (0.1: 10 %): `Fit.verify` says what came of it
     progress: called with a `Progress` every 256 boxes, a true return value stops the search (the fit is valid all
         the same); True shows a bar (tqdm's, when it is installed). An exception in it ends the call, as Ctrl-C does.
@@ -306,6 +310,8 @@ def fit(samples: SamplesLike, *, lobes: int | Sequence[str] = 1, distribution: s
     began = time.perf_counter()
     data = samples if isinstance(samples, Samples) else Samples.from_file(samples)
     read = {} if data is samples else {"read": time.perf_counter() - began}
+    if weight is not None:
+        data = data.weighted(weight)
     return run(data, options, verify, progress, read)
 
 
@@ -431,7 +437,8 @@ def convert(r: structs.Result, samples: Samples, options: Options, proof: Mappin
         sigma_resolution=options.sigma_resolution, box_budget=options.box_budget,
         max_incidence=options.max_incidence, format=samples.format, quantity=samples.quantity,
         merl_bins=samples.merl_bins, merl_samples=samples.merl_samples, seconds=seconds, file=samples.file,
-        schema=SCHEMA, _merl_directions=samples._merl_directions, **_terms.of_model(model),
+        schema=SCHEMA, _merl_directions=samples._merl_directions, weighting=samples.weighting,
+        **_terms.of_model(model),
         f0_interval=None if f0_interval is None else freeze(f0_interval))
     return fit
 

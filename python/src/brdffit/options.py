@@ -103,6 +103,11 @@ class Options:
         return len(self.distributions)
 
     @property
+    def incidence(self) -> float:
+        """max_incidence, as it is used. `replace` keeps it, also where only fresnel changes."""
+        return _terms.incidence(self.fresnel, self.max_incidence)
+
+    @property
     def sigma_searched(self) -> tuple[float, float]:
         """The range of sigma that the search covers for lobes known by it; if there are none, that of the exponent in
         terms of sigma."""

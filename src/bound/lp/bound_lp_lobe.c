@@ -38,7 +38,7 @@ static const double *slopes_at(struct bound_lp *e, int p, double u)
     if (kind->exponential) {
         return table->c;
     }
-    kind->slopes(v->kernels, table->c, v->data->stride, u, e->x, e->slope);
+    kind->slopes(v->kernels, &table->sight, v->data->stride, u, e->x, e->slope);
     return e->x;
 }
 
@@ -52,13 +52,13 @@ static struct span open_span(struct bound_lp *e, int p, double low, double high)
     struct span s;
     size_t j;
 
-    kind->variable(table->c_min, low, u);
+    kind->variable(&table->sight, low, u);
     s.u[0] = u[0];
-    kind->variable(table->c_min, high, u);
+    kind->variable(&table->sight, high, u);
     s.u[1] = u[0];
     s.u[2] = 0.5 * s.u[0] + 0.5 * s.u[1];
     for (j = 0; j < 3; j++) {
-        kind->shape(v->kernels, table->c, v->data->stride, s.u[j], e->phi[j]);
+        kind->shape(v->kernels, &table->sight, v->data->stride, s.u[j], e->phi[j]);
     }
     x = slopes_at(e, p, s.u[2]);
     for (j = 0; j < v->data->distinct; j++) {
@@ -145,7 +145,7 @@ void brdffit_bound_lp_lobe(struct bound_lp *e, int p, double low, double centre,
     lobe->change = change_of(e, lobe);
     /* phi falls and the tilt rises, so f >= b phi(u_1) times the tilt at u_0. */
     lobe->least = norm_of(e, lobe->upper[1], s.tilt[0] / s.tilt[1]) * (1.0 - TOL_CURVATURE - rows * 4.0 * TOL_UNIT);
-    model_column_kind(v->model, p)->variable(varpro_table(v, p)->c_min, centre, u);
+    model_column_kind(v->model, p)->variable(&varpro_table(v, p)->sight, centre, u);
     lobe->place = s.u[1] > s.u[0] ? fmin(1.0, fmax(0.0, (u[0] - s.u[0]) / (s.u[1] - s.u[0]))) : 0.0;
     lobe->tilt = kernel_exp(s.rate * (u[0] - s.u[2]));
     for (end = 0; end < 2; end++) {

@@ -310,7 +310,7 @@ const struct pair *brdffit_pair_corner(const struct sides *b, int corner)
 
 /*
  * Lobes of one kind: mu falls with their distance (the sum of phi phi' being log-convex), so the corner that is furthest
- * from the diagonal has the least. Of two kinds: the sum of products falls with both variables, and so do the norms.
+ * from the diagonal has the least. Of two kinds, and with Smith's masking, where that does not hold (smith.h): the sum of products falls with both variables, and so do the norms.
  */
 double brdffit_pair_least(const struct sides *b)
 {
@@ -319,7 +319,7 @@ double brdffit_pair_least(const struct sides *b)
     const struct pair *far;
     double norms, epsilon;
 
-    if (b->kind[0] == b->kind[1]) {
+    if (b->kind[0] == b->kind[1] && !b->moments->kind[b->kind[0]].kind->smith) {
         return larger(0.0, brdffit_pair_corner(b, 2)->mu);
     }
     far = brdffit_pair_corner(b, 3);
@@ -341,7 +341,7 @@ double brdffit_pair_shift(const struct sides *b, int which, double least)
     if (!(side->eighth > 0.0)) {
         return 0.0;
     }
-    if (b->kind[0] != b->kind[1] || !b->moments->kind[b->kind[0]].kind->exponential) {
+    if (!moments_one_family(b->moments, b->kind[0], b->kind[1])) {
         return side->eighth * brdffit_family_pair(b, which, least);
     }
     corner = brdffit_pair_corner(b, 0);

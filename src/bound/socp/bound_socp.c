@@ -125,14 +125,14 @@ static void fill_shapes(const struct bound_socp *e, int c, const double theta[3]
     int i;
 
     for (i = 0; i < 3; i++) {
-        kind->variable(table->c_min, theta[i], u);
-        kind->shape(v->kernels, table->c, v->data->stride, u[0], e->shape[i]);
+        kind->variable(&table->sight, theta[i], u);
+        kind->shape(v->kernels, &table->sight, v->data->stride, u[0], e->shape[i]);
         if (i != 1) {
             ends[i / 2] = u[0];
         }
     }
     if (!kind->exponential) {
-        kind->slopes(v->kernels, table->c, v->data->stride, ends[0], e->ell, e->slope);
+        kind->slopes(v->kernels, &table->sight, v->data->stride, ends[0], e->ell, e->slope);
     }
 }
 
@@ -142,6 +142,8 @@ static struct deviation deviation(const struct bound_socp *e, int c, double low,
     const struct table *table = varpro_table(e->varpro, c);
     const double *at_low = e->shape[0], *at_centre = e->shape[1], *at_high = e->shape[2];
     const double *x = model_column_kind(e->varpro->model, c)->exponential ? table->c : e->ell;
+    /* With masking phi may be above 1. */
+    double most_steep = model_column_kind(e->varpro->model, c)->smith ? INFINITY : 1.0;
     double sum = 0.0, norm2 = 0.0, least2 = 0.0, slope2 = 0.0, u[2];
     struct deviation d;
     size_t j;
@@ -151,7 +153,7 @@ static struct deviation deviation(const struct bound_socp *e, int c, double low,
         double most = fmax(at_low[j] - at_centre[j], at_centre[j] - at_high[j]);
         /* Largest |d phi / d ln u| = |ell| u phi of the box: x exp(-x) < 1, and 2 x / (1 + x)^3 < 1 besides. It turns
          * relative errors of c' u into errors of phi. */
-        double steep = fmin(1.0, x[j] * u[1] * at_low[j]);
+        double steep = fmin(most_steep, x[j] * u[1] * at_low[j]);
 
         slope2 += table->bb[j] * (steep * steep);
         sum += table->bb[j] * (most * most);

@@ -21,6 +21,7 @@ from .. import _structs as structs
 from .._ffi import library
 from .._version import __version__
 from .._words import readable
+from ..compare import MODELS
 from ..errors import BrdffitError, FileError, OptionError
 from ..options import Options
 from ..progress import Bar
@@ -34,9 +35,10 @@ __all__ = ["Material", "main", "measure", "page"]
 CERTIFIED, FAILURE, USAGE, DATA, OPEN = 0, 1, 2, 3, 4
 
 
-def page(samples: Samples, name: str, *, lobes: int | Sequence[str] = 2, index: str | None = None, **options: Any) -> str:
-    """One material's page as HTML that needs no other file."""
-    return material_page(measure(name, samples, options, lobes), index)
+def page(samples: Samples, name: str, *, lobes: int | Sequence[str] = 2, index: str | None = None,
+         models: Sequence[str | Sequence[str]] | None = None, **options: Any) -> str:
+    """One material's page as HTML that needs no other file. models: forms to compare on it as well, as of `brdffit.compare`."""
+    return material_page(measure(name, samples, options, lobes, models), index)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -62,7 +64,12 @@ def _parser() -> argparse.ArgumentParser:
                    "always show all of it")
     p.add_argument("--merl-bins", choices=structs.MERL_BINS, default="edge")
     p.add_argument("--values", choices=structs.QUANTITY, help="what a CSV holds")
+    p.add_argument("--weight", choices=structs.WEIGHTING,
+                   help="what samples count for (those that the file gives, of what a .bsdf file measured solid-angle)")
     p.add_argument("--box-budget", type=int, default=defaults.box_budget, metavar="N")
+    p.add_argument("--compare", dest="models", action="store_const", const=",".join(MODELS),
+                   help="also say which form of model the data support, of the dozen of brdffit compare")
+    p.add_argument("--models", metavar="NAME,...", help="the same, of these forms")
     p.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
     p.add_argument("--version", action="version", version="brdffit-report " + __version__)
     return p
@@ -88,6 +95,11 @@ def _degrees(text: str) -> float:
 
 
 def _read(path: str, arguments: argparse.Namespace) -> Samples:
+    samples = _read_unweighted(path, arguments)
+    return samples if arguments.weight is None else samples.weighted(arguments.weight)
+
+
+def _read_unweighted(path: str, arguments: argparse.Namespace) -> Samples:
     samples = Samples.from_file(path)
     if samples.format == "merl":
         return Samples.from_merl(path, samples=arguments.merl_samples, bins=arguments.merl_bins)
@@ -178,7 +190,8 @@ class _Batch:
     def take(self, path: str) -> None:
         name = _material_name(path)
         try:
-            material = measure(name, _read(path, self._arguments), self._options, self._arguments.lobes)
+            material = measure(name, _read(path, self._arguments), self._options, self._arguments.lobes,
+                               None if self._arguments.models is None else self._arguments.models.split(","))
             text = material_page(material, "index.html" if len(self._arguments.files) > 1 else None)
             kept = row("", name, material)
         except BrdffitError as error:

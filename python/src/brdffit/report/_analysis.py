@@ -14,6 +14,7 @@ import numpy.typing as npt
 from .. import _lobes, _terms, _words
 from .._arrays import Floats
 from ..boxes import Boxes, fit_boxes
+from ..compare import Comparison, compare
 from ..errors import BrdffitError
 from ..fit import Fit
 from ..fit import fit as brdffit_fit
@@ -49,13 +50,16 @@ class Material:
     leaves: dict[int, npt.NDArray[np.bool_]]
     near: dict[int, Near]
     views: Samples | None
+    comparison: Comparison | None = None
 
     @property
     def main(self) -> Fit:
         return self.fits[self.options.lobe_count]
 
 
-def measure(name: str, samples: Samples, options: dict[str, Any], lobes: int | Sequence[str]) -> Material:
+def measure(name: str, samples: Samples, options: dict[str, Any], lobes: int | Sequence[str],
+            models: Sequence[str | Sequence[str]] | None = None) -> Material:
+    """models: forms to compare as well, with the same options, norm and distribution excepted."""
     asked = Options(**{**options, "lobes": lobes})
     one = asked.replace(lobes=1, distribution=asked.distributions[0])
     table: MerlTable | RGLMaterial | None = None
@@ -70,7 +74,9 @@ def measure(name: str, samples: Samples, options: dict[str, Any], lobes: int | S
         leaves[count] = leaf(boxes[count])
         near[count] = near_optimal(samples, of, fits[count], boxes[count], leaves[count])
     views = samples if _in_series(samples, table is not None) else None if table is None else _look_up(table, samples.channels)
-    return Material(name, samples, table, asked, fits, boxes, leaves, near, views)
+    shared: Any = {key: value for key, value in options.items() if key not in ("distribution", "norm", "lobes")}
+    comparison = None if models is None else compare(samples, models, **shared)
+    return Material(name, samples, table, asked, fits, boxes, leaves, near, views, comparison)
 
 
 def _in_series(samples: Samples, has_table: bool) -> bool:
@@ -222,7 +228,7 @@ def objective(material: Material, sigma: Floats | Sequence[Floats], lobes: int) 
     gram, t, total = np.zeros((n, n)), np.zeros((n, len(s.channels))), 0.0
     for start in range(0, len(s), LARGE // 2):
         part = _part(s, slice(start, start + LARGE // 2))
-        at = places(part, material.options.max_incidence)
+        at = places(part, material.options.incidence)
         used = np.flatnonzero(at.used)
         if len(used) == 0:
             continue

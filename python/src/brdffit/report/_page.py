@@ -55,6 +55,17 @@ def _fit(material: Material, lobes: int) -> str:
         html.escape(head[0].upper() + head[1:]), tables, "" if fit.certified else " open", words)
 
 
+def _models(material: Material) -> str:
+    """Nothing where none were compared."""
+    found = material.comparison
+    if found is None:
+        return ""
+    counted = "%s observations, counted as %.0f" % (format(found.observations, ","), found.effective_observations)
+    return "<h2>Which model</h2><p class='soft'>%s; p: parameters; * the best, = not told from it, ? not proven</p>%s%s" % (
+        html.escape(counted), "<div class='scroll keep'>%s</div>" % _words.html_table(found.table),
+        "".join(map(_paragraph, found.words)))
+
+
 def _pairs(views: Iterable[tuple[str, str, str]]) -> str:
     return "<div class='views'>%s</div>" % "".join(
         "<figure><div class='pair'>%s%s</div><figcaption>%s</figcaption></figure>" % (linear, log, html.escape(caption))
@@ -154,8 +165,17 @@ def _source(material: Material) -> str:
     if s.merl_samples is not None:
         which = {"84": "the paper's 84 directions of the table", "table": "every cell of the table"}
         out += ", %s, bins by their %s" % (which.get(s.merl_samples, "looked-up directions"), s.merl_bins)
-    return "%s. Values are %s; the norm is %s, relative gap %.3g." % (
-        out, "BRDF values in 1/sr" if s.quantity == "brdf" else "radiance", fit.norm, fit.relative_gap)
+    return "%s. Values are %s; the norm is %s, relative gap %.3g. %s" % (
+        out, "BRDF values in 1/sr" if s.quantity == "brdf" else "radiance", fit.norm, fit.relative_gap, _words.WEIGHTS[s.weighting])
+
+
+def _crowded(material: Material) -> str:
+    """A warning, or nothing."""
+    if material.samples.weighting != "none" or not material.samples.crowded():
+        return ""
+    return "<div class='certificate open'>%s</div>" % _paragraph(
+        "Warning: most samples crowd where the material is bright, and the fit is to that part of the directions. "
+        "--weight solid-angle fits all of them.")
 
 
 def material_page(material: Material, index: str | None) -> str:
@@ -165,6 +185,7 @@ def material_page(material: Material, index: str | None) -> str:
         order.reverse()
     head = "<h1>%s %s</h1><p class='soft'>%s</p>" % (
         html.escape(material.name), _badge(material), html.escape(_source(material)))
-    body = [top, head, *(_fit(material, lobes) for lobes in order), _views(material), _proof(material), _spheres(material),
-            _residuals(material)]
+    body = [top, head, _crowded(material), *(_fit(material, lobes) for lobes in order), _models(material), _views(material),
+            _proof(material),
+            _spheres(material), _residuals(material)]
     return document("%s - brdffit" % material.name, "".join(body))
