@@ -3,6 +3,8 @@ whose members have the names of `brdffit fit --json`.
 
 SPDX-License-Identifier: MIT
 """
+import math
+
 import numpy as np
 
 import model
@@ -42,6 +44,26 @@ def diffuse_columns(name, light, view):
     return flat[:, None] * (name == "lambert")
 
 
+def smiths_lambda(name, sigma, cosine):
+    """Of one direction: Heitz 2014, for GGX and Beckmann."""
+    tangent = np.sqrt(1 - cosine ** 2) / cosine
+    if name == "ggx":
+        return (np.sqrt(1 + (sigma * tangent) ** 2) - 1) / 2
+    a = 1 / (sigma * np.maximum(tangent, 1e-300))
+    return (np.vectorize(math.erf)(a) - 1) / 2 + np.exp(-a ** 2) / (2 * a * math.sqrt(math.pi))
+
+
+def masked(name, masking, sigma, light, view, b):
+    """b of a lobe, with another masking than v-cavities."""
+    if masking == "v-cavity":
+        return b
+    half = light + view
+    nh = half[:, 2] / np.linalg.norm(half, axis=1)
+    to_light, to_view = (smiths_lambda(name, sigma, d[:, 2]) for d in (light, view))
+    g = {"none": 1.0, "smith": 1 / (1 + to_light + to_view), "smith-separable": 1 / ((1 + to_light) * (1 + to_view))}[masking]
+    return g / (math.pi * view[:, 2] * nh ** 4)
+
+
 def radiance(fit, light, view):
     """count x K."""
     x = np.asarray(fit["x"], float)[:, None]
@@ -53,6 +75,7 @@ def radiance(fit, light, view):
     w = (1 - np.sum(view * half, 1)) ** 5
     for p, (name, sigma) in enumerate(zip(fit["distributions"], fit["sigma"])):
         _, b, c, _, _ = model.directions_to_abc(light, view, distribution=name)
+        b = masked(name, fit.get("masking", "v-cavity"), sigma, light, view, b)
         lobe = b * model.shape(name, sigma ** -2.0, c)
         y = np.asarray(fit["y"], float)[:, p]
         f0 = np.asarray(fit["f0"], float)[:, p] if fit["fresnel"] == "schlick" else np.ones(len(y))

@@ -81,6 +81,18 @@ def test_diffuse_terms_are_found_again(tmp_path, diffuse, fresnel):
     assert ("roughness" in report) == (diffuse == "oren-nayar") and ("by x r" in report) == (diffuse == "burley")
 
 
+@pytest.mark.parametrize("masking", ["smith", "smith-separable", "none"])
+@pytest.mark.parametrize("name", ["ggx", "beckmann"])
+def test_maskings_are_found_again(tmp_path, name, masking):
+    true = truth((name,)) | {"masking": masking}
+    light, view = measure(tmp_path, true)
+    line = fit(tmp_path, true, "--gap", "1e-6", "--absolute-gap", "1e-20", "--masking", masking)
+    assert line["masking"] == masking
+    np.testing.assert_allclose(line["f0"], true["f0"], atol=1e-8, rtol=0)
+    np.testing.assert_allclose(line["sigma"], true["sigma"], rtol=1e-8)
+    np.testing.assert_allclose(evaluated(tmp_path, line), terms_model.radiance(line, light, view), rtol=1e-11, atol=1e-13)
+
+
 def test_oren_nayars_roughness_is_told(tmp_path):
     s2 = 0.3 ** 2
     a, b = 1 - 0.5 * s2 / (s2 + 0.33), 0.45 * s2 / (s2 + 0.09)
