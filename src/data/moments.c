@@ -21,13 +21,13 @@ static size_t kept(const struct lobe_kind *kind)
     return kind->exponential ? 1 : 3;
 }
 
-static void layout_kind(struct kind_moments *m, struct arena *arena, size_t stride, size_t channels, size_t functionals,
+static void layout_kind(struct kind_moments *m, struct arena *arena, size_t stride, size_t channels, size_t fixed,
                         uint32_t nodes)
 {
     m->node = brdffit_arena_take(arena, nodes, sizeof *m->node);
     marks_layout(&m->ready, arena, nodes);
-    m->tau_pool = brdffit_arena_take(arena, nodes, channels * sizeof(double));
-    m->functional_pool = brdffit_arena_take(arena, nodes, functionals * sizeof(struct functional));
+    m->tau_pool = brdffit_arena_take(arena, nodes, (channels + fixed) * sizeof(double));
+    m->functional_pool = brdffit_arena_take(arena, nodes, (fixed + 2 * channels) * sizeof(struct functional));
     m->phi_doubles = shape_doubles(stride * kept(m->kind), nodes);
     m->phi_pool = ARENA_DOUBLES(arena, m->phi_doubles);
 }
@@ -49,8 +49,7 @@ void brdffit_moments_layout(struct moments *m, struct arena *arena, size_t count
     for (i = 0; i < model->kinds; i++) {
         m->kind[i].kind = model->kind[i];
         m->kind[i].geometry = model->geometry[i];
-        layout_kind(&m->kind[i], arena, stride, channels, reduced_functionals(model, channels),
-                    capacity + SCRATCH_NODES);
+        layout_kind(&m->kind[i], arena, stride, channels, (size_t)model->fixed, capacity + SCRATCH_NODES);
     }
     m->scratch = ARENA_DOUBLES(arena, stride > SIZE_MAX / 64 ? SIZE_MAX / 8 : 6 * stride);
 }
@@ -228,7 +227,8 @@ const struct node *brdffit_moments_node(struct moments *m, int kind, uint32_t in
     m->evaluated++;
     own->kind->variable(&own->table->sight, theta, u);
     node->u = u[0];
-    node->tau = own->tau_pool + index * m->data->channels;
+    node->tau = own->tau_pool + index * (m->data->channels + (size_t)m->data->fixed);
+    node->kappa = node->tau + m->data->channels;
     node->functional = own->functional_pool + index * m->data->functionals;
     fill_shapes(m, own, index, node);
     phi = brdffit_moments_shape(m, kind, node, m->scratch);

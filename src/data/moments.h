@@ -26,7 +26,7 @@ struct node {
     double mean;       /* of x = -ell under p = bb phi^2 / H */
     double m2, m3, m4; /* its central moments (m3 and m4 for exponential lobes only) */
     double epsilon;    /* rounding allowance of this node's sums */
-    double kappa[FIXED_MOST]; /* cosines of the fixed columns and g, lowered by epsilon */
+    double *kappa;     /* F: cosines of the fixed columns and g, lowered by epsilon */
     double *tau;       /* B: data along the normalised lobe, raised by epsilon |I_k| */
     struct functional *functional; /* as table.linear */
     double *phi;       /* stride, or NULL: see brdffit_moments_shape() */
