@@ -240,10 +240,11 @@ BRDFFIT_API const char *brdffit_masking_string(brdffit_masking masking);
  * LAMBERT     l / pi
  * NONE        no column
  * OREN_NAYAR  l / pi; and l / pi max(0, cos(difference of azimuths)) sin(a) tan(b), a the larger and b the smaller
- *             polar angle (Oren and Nayar 1994, its qualitative model, whose two terms are A and B of its roughness)
+ *             polar angle (Oren and Nayar 1994, its qualitative model, whose two terms are A and B of its roughness). The
+ *             product of cosine, sine and tangent counts as 0 below 1e-12
  * BURLEY      l / pi (1 - F(l) / 2) (1 - F(v) / 2); l / pi 2 d^2 (F(l) + F(v) - F(l) F(v)); l / pi 4 d^4 F(l) F(v).
  *             With coefficients x, x r, x r^2 these are the diffuse term of Burley 2012 with roughness r, x its
- *             colour; here the three are free and not negative.
+ *             colour; here the three are free and not negative. F(t) below 1e-100 counts as 0.
  */
 typedef enum brdffit_diffuse {
     BRDFFIT_DIFFUSE_LAMBERT = 0,

@@ -28,6 +28,12 @@ static quad shadowing(const struct quad_angles *at)
     return fminq(1, fminq(shared * at->nv, shared * at->nl));
 }
 
+/* F = (1 - t)^5 of Schlick; below 1e-100 it counts as 0 (brdffit.h). */
+static quad schlick(quad versine)
+{
+    return versine < 1e-20 ? 0 : powq(versine, 5);
+}
+
 void quad_coefficients(brdffit_distribution distribution, brdffit_masking masking, const struct quad_angles *at,
                        struct quad_row *row)
 {
@@ -36,7 +42,7 @@ void quad_coefficients(brdffit_distribution distribution, brdffit_masking maskin
 
     row->light = at->tan2_light;
     row->view = at->tan2_view;
-    row->w = at->versine < 1e-20 ? 0 : powq(at->versine, 5); /* 1e-100: brdffit.h */
+    row->w = schlick(at->versine);
     switch (distribution) {
     case BRDFFIT_TORRANCE_SPARROW:
         angle = atanq(sqrtq(at->tan2));
@@ -66,12 +72,6 @@ void quad_coefficients(brdffit_distribution distribution, brdffit_masking maskin
     }
 }
 
-/* F(t) = (1 - t)^5 of Schlick. */
-static quad schlick(quad t)
-{
-    return powq(1 - t, 5);
-}
-
 void quad_diffuse(brdffit_diffuse diffuse, const struct quad_angles *at, quad *column)
 {
     quad a = at->nl / quad_pi(), cosine, sines, larger, light, view, d2;
@@ -82,10 +82,10 @@ void quad_diffuse(brdffit_diffuse diffuse, const struct quad_angles *at, quad *c
         sines = at->lv - at->nl * at->nv;
         larger = fmaxq(at->nl, at->nv);
         cosine = sines / larger;
-        column[1] = a * fmaxq(0, cosine);
+        column[1] = cosine < 1e-12 ? 0 : a * cosine; /* brdffit.h */
     } else if (diffuse == BRDFFIT_DIFFUSE_BURLEY) {
-        light = schlick(at->nl);
-        view = schlick(at->nv);
+        light = schlick(at->tan2_light * at->nl * at->nl / (1 + at->nl)); /* 1 - cos = sin^2 / (1 + cos) */
+        view = schlick(at->tan2_view * at->nv * at->nv / (1 + at->nv));
         d2 = at->vh * at->vh;
         column[0] = a * (1 - light / 2) * (1 - view / 2);
         column[1] = a * 2 * d2 * (light + view - light * view);
