@@ -449,8 +449,9 @@ typedef struct brdffit_result {
                                     the exponent from exponent_min to 1 / sigma_floor^2: sigma_min (exponent_max),
                                     unless no sample is near the mirror direction; then narrower lobes have
                                     coefficients y beyond any double (c_min / sigma^2 above about 710) and are outside
-                                    of the model. Of several kinds of lobes, the largest. INFINITY when no lobe of some
-                                    kind is left */
+                                    of the model; with SCHLICK, when a second column is below 1e-135 of its largest b (c
+                                    of the first sample with w > 0 over sigma^2 above about 310), too. Of several kinds
+                                    of lobes, the largest. INFINITY when no lobe of some kind is left */
     double sigma_tail; /* roughness below which the data see no change, so that nothing is searched there
                                     (engine moment and socp, and the norms alike); sigma_min when there is no such
                                     tail */
