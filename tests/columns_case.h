@@ -426,6 +426,7 @@ static inline int cc_open(struct columns_case *m, uint64_t seed)
     uint64_t s = seed * 0x5851f42d4c957f2du + 31;
     struct arena arena;
     size_t size, i, k;
+    int p;
 
     cc_draw_model(m, seed, &s);
     m->columns = cc_columns(&m->options);
@@ -449,6 +450,12 @@ static inline int cc_open(struct columns_case *m, uint64_t seed)
             m->value[k][i] = m->root[i] * m->values[i * m->channels + k] /
                              ((long double)m->fit.data.channel_scale[k] * m->fit.data.value_scale);
         }
+    }
+    for (p = 0; p < m->fit.model.kinds; p++) { /* as brdffit_fit_start() does */
+        const struct domain *d = &m->fit.domain[model_axis(&m->fit.model, p)];
+        const double theta[3] = {d->low, d->high, d->flat};
+
+        brdffit_charge_domain(&m->fit.data, &m->fit.model, p, m->fit.varpro.kernels, theta, 1e-10, m->fit.varpro.phi);
     }
     for (i = 0; i < (size_t)m->fit.model.lobes; i++) { /* lobes without a finite coefficient: other tests' */
         const struct domain *d = fit_domain(&m->fit, (int)i);
