@@ -445,6 +445,38 @@ static void test_same_bits(void **state)
     }
 }
 
+/* What a workspace holds before a fit is no part of its result. */
+static void test_contents_of_the_workspace(void **state)
+{
+    uint64_t seed;
+
+    (void)state;
+    for (seed = 0; seed < 96; seed++) {
+        (void)cc_open(&m, seed);
+        {
+            size_t size = brdffit_workspace_size(m.samples.count, m.channels, &m.options), boxes[2] = {0}, i;
+            unsigned char *workspace = malloc(size);
+            double said[2][2] = {{0.0}};
+
+            assert_non_null(workspace);
+            for (i = 0; i < 2; i++) {
+                const brdffit_result *r;
+
+                memset(workspace, i ? 0x7e : 0, size); /* doubles of 1e300 */
+                if (brdffit_fit(&m.samples, &m.options, workspace, size, &r, NULL) == BRDFFIT_OK) {
+                    said[i][0] = r->e2;
+                    said[i][1] = r->lower_bound;
+                    boxes[i] = r->boxes;
+                }
+            }
+            expect_same(said[0], said[1], 2);
+            assert_int_equal(boxes[0], boxes[1]);
+            free(workspace);
+        }
+        cc_close(&m);
+    }
+}
+
 /* E^2, bound and boxes to the bit; sigma to a few of the last ones, in which the Newton steps are summed. */
 static void test_plain_models_are_what_they_were(void **state)
 {
@@ -475,6 +507,7 @@ int main(void)
         cmocka_unit_test(test_burley_near_the_normal),
         cmocka_unit_test(test_ten_thousand_channels),
         cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_contents_of_the_workspace),
         cmocka_unit_test(test_plain_models_are_what_they_were),
     };
 

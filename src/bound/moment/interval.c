@@ -241,6 +241,7 @@ void brdffit_interval_fill(struct intervals *t, uint32_t index, const struct axi
     v->low_index = i->low;
     v->high_index = i->high;
     v->refined = 0;
+    v->beside_shift = 0.0; /* usable() reads it before fill_beside() knows */
     v->tau_shift = t->pool + 2 * K * index;
     v->tau_sup = v->tau_shift + K;
     if (v->low->h > 0.0 && v->low->u < v->high->u) {
