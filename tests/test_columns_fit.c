@@ -287,7 +287,7 @@ static void test_edges(void **state)
 
     (void)state;
     for (seed = 0; seed < 96; seed++) {
-        for (kind = 0; kind < EDGES; kind++) {
+        for (kind = (int)((seed + seed / 4 + seed / 16) % 4); kind < EDGES; kind += 4) { /* each model meets a quarter of them */
             const brdffit_result *r = NULL;
             brdffit_error error;
             brdffit_status status;
