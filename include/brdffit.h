@@ -305,10 +305,11 @@ BRDFFIT_API const char *brdffit_masking_string(brdffit_masking masking);
  * LAMBERT     l / pi
  * NONE        no column
  * OREN_NAYAR  l / pi; and l / pi max(0, cos(difference of azimuths)) sin(a) tan(b), a the larger and b the smaller
- *             polar angle (Oren and Nayar 1994, its qualitative model, whose two terms are A and B of its roughness)
+ *             polar angle (Oren and Nayar 1994, its qualitative model, whose two terms are A and B of its roughness). The
+ *             product of cosine, sine and tangent counts as 0 below 1e-12
  * BURLEY      l / pi (1 - F(l) / 2) (1 - F(v) / 2); l / pi 2 d^2 (F(l) + F(v) - F(l) F(v)); l / pi 4 d^4 F(l) F(v).
  *             With coefficients x, x r, x r^2 these are the diffuse term of Burley 2012 with roughness r, x its
- *             colour; here the three are free and not negative.
+ *             colour; here the three are free and not negative. F(t) below 1e-100 counts as 0.
  */
 typedef enum brdffit_diffuse {
     BRDFFIT_DIFFUSE_LAMBERT = 0,
@@ -513,8 +514,9 @@ typedef struct brdffit_result {
                                     the exponent from exponent_min to 1 / sigma_floor^2: sigma_min (exponent_max),
                                     unless no sample is near the mirror direction; then narrower lobes have
                                     coefficients y beyond any double (c_min / sigma^2 above about 710) and are outside
-                                    of the model. Of several kinds of lobes, the largest. INFINITY when no lobe of some
-                                    kind is left */
+                                    of the model; with SCHLICK, when a second column is below 1e-135 of its largest b (c
+                                    of the first sample with w > 0 over sigma^2 above about 310), too. Of several kinds
+                                    of lobes, the largest. INFINITY when no lobe of some kind is left */
     double sigma_tail; /* roughness below which the data see no change, so that nothing is searched there
                                     (engine moment and socp, and the norms alike); sigma_min when there is no such
                                     tail */

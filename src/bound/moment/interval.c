@@ -248,6 +248,9 @@ void brdffit_interval_fill(struct intervals *t, uint32_t index, const struct axi
     v->kappa_shift = v->tau_sup + K;
     v->kappa_inf = v->kappa_shift + F;
     v->beside = t->first ? &t->beside[index] : NULL;
+    if (v->beside) {
+        v->beside->shift = 0.0; /* usable() reads it before fill_beside() knows */
+    }
     if (v->low->h > 0.0 && v->low->u < v->high->u) {
         fill(t, v);
     } else {
