@@ -157,6 +157,71 @@ typedef struct brdffit_samples {
 #define brdffit_samples_init(samples) brdffit_samples_init_sized((samples), sizeof *(samples))
 BRDFFIT_API void brdffit_samples_init_sized(brdffit_samples *samples, size_t struct_size);
 
+/* ---- Weights of samples ------------------------------------------------ */
+
+/*
+ * What samples count for. A weight multiplies the squared residual of radiance, f_r (n.l), whatever the quantity of the
+ * values; 1 / (n.l)^2 times as much would weigh residuals of f_r. One weight a sample, the same for its channels.
+ *
+ * NONE         1.
+ * COLUMN       those that the samples have: brdffit_samples.weights.
+ * COSINE       n.l: residuals over the projected solid angle of the light.
+ * SOLID_ANGLE  the share of all pairs of directions of light and view, above the horizon and by solid angle, that a
+ *              sample stands for, times the number of samples: 1 on average. Turns about the normal and mirror images
+ *              make no difference, as to the models. A fit then means the same wherever the samples lie: where most
+ *              were taken no longer decides. The shares are those of the pieces of a k-d tree, one for each pair of
+ *              directions (src/weight/cells.c); equal ones share a piece. What lies beyond the outermost samples belongs to them:
+ *              samples in one plane of incidence stand for half a turn of azimuth each.
+ * RELATIVE     1 / max(m, floor)^2, m the root mean square over channels of radiance by the channel's largest
+ *              magnitude: relative errors, but for samples darker than `floor` of the brightest.
+ *
+ * Throughout, a sample whose weight is 0 keeps it, and one below the horizon, which no fit uses, has 1.
+ */
+typedef enum brdffit_weighting {
+    BRDFFIT_WEIGHTING_NONE = 0,
+    BRDFFIT_WEIGHTING_COLUMN,
+    BRDFFIT_WEIGHTING_COSINE,
+    BRDFFIT_WEIGHTING_SOLID_ANGLE,
+    BRDFFIT_WEIGHTING_RELATIVE,
+    BRDFFIT_WEIGHTING_COUNT
+} brdffit_weighting;
+
+/* What RELATIVE takes for a floor when nobody says, and the least that it takes. */
+#define BRDFFIT_WEIGHT_FLOOR 0.01
+#define BRDFFIT_WEIGHT_FLOOR_MIN 1e-6
+
+/* Constant name: "none", "column", "cosine", "solid-angle", "relative". */
+BRDFFIT_API const char *brdffit_weighting_string(brdffit_weighting weighting);
+
+/* Bytes of workspace that brdffit_weights() needs, and brdffit_weights_crowded() what RELATIVE does; 0 when it needs none,
+ * or for sizes that it refuses. */
+BRDFFIT_API size_t brdffit_weights_size(size_t count, size_t channels, brdffit_weighting weighting);
+
+/*
+ * Weights of the samples into out[count], finite and >= 0, in O(N log N); put them into samples->weights to fit with
+ * them. out may not be samples->weights. `floor` in [1e-6, 1] is of RELATIVE alone, which is also the only one that looks at
+ * values. The workspace (any alignment) is of use during the call; NULL where none is needed.
+ *
+ * BRDFFIT_ERR_ARGUMENT for COLUMN of samples without weights; BRDFFIT_ERR_UNSUPPORTED for COSINE and SOLID_ANGLE of
+ * form COEFFICIENTS, which has no directions, and for more than 2^32 - 1 samples; BRDFFIT_ERR_VALUE for samples that
+ * cannot be fitted either; BRDFFIT_ERR_WORKSPACE. out is in an undefined state then.
+ */
+BRDFFIT_API brdffit_status brdffit_weights(const brdffit_samples *samples, brdffit_weighting weighting, double floor,
+                                           void *workspace, size_t workspace_size, double *out, brdffit_error *error);
+
+/* Kish's effective sample size as a share of count: (sum w)^2 / (count sum w^2), in (0, 1]; 0 when no weight is above
+ * 0. Of solid angles it tells how evenly samples lie: about 0.7 where they are drawn uniformly. */
+BRDFFIT_API double brdffit_weights_effective(const double *weights, size_t count);
+
+/*
+ * 1 when samples crowd where the material is bright, as those of an instrument that follows the lobe do, so that a fit without
+ * weights is a fit to that part of the directions; else 0, also for what cannot be told. With their weights of
+ * SOLID_ANGLE w: the effective sample size is less than 0.25 of count, and the mean of what RELATIVE calls m more than
+ * 3 times its mean with weights w. Grids of angles, which do not follow the lobe, are rarely beyond 2.
+ */
+BRDFFIT_API int brdffit_weights_crowded(const brdffit_samples *samples, const double *solid_angles, void *workspace,
+                                        size_t workspace_size);
+
 /* ---- Options ---------------------------------------------------------- */
 
 /*
@@ -499,6 +564,21 @@ BRDFFIT_API void brdffit_result_free(const brdffit_result *result);
 BRDFFIT_API brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *at, double *out,
                                         brdffit_error *error);
 
+/*
+ * How well samples tell the F0 of a model with SCHLICK, `model` being that of a fit of these samples with these options
+ * (NULL: defaults; max_incidence and absolute_gap are obeyed, the norm must be L2): low and high are K x P row-major, ends
+ * of the interval around model->f0 in [0, 1] within which F0 of that lobe and channel alone can be moved, with all
+ * coefficients chosen anew and sigma kept, before the channel's E^2 grows by more than 4 E^2 / (N - n), which is two
+ * standard errors when residuals are independent noise (N samples used, n columns), or by absolute_gap of its sum of
+ * squares where that is more. F0 with wide intervals (beyond 0.5, say) is not told by the directions: v.h hardly varies,
+ * and the lobe's two columns are nearly parallel. An estimate, no proof: a sigma that moved along would widen it. Of a
+ * lobe with y = 0 the interval is [0, 1]. Fails as brdffit_inspect() for samples; BRDFFIT_ERR_UNSUPPORTED without
+ * Fresnel, or for another norm. Takes some microseconds a sample.
+ */
+BRDFFIT_API brdffit_status brdffit_f0_interval(const brdffit_samples *samples, const brdffit_options *options,
+                                               const brdffit_model *model, double *low, double *high,
+                                               brdffit_error *error);
+
 /* ---- Fits in memory of the caller ------------------------------------- */
 
 /*
@@ -644,6 +724,8 @@ typedef struct brdffit_texel_results {
     size_t *where; /* count; BAD_VALUE: sample * K + channel; else BRDFFIT_NONE */
     size_t *boxes; /* count; bounded by the search */
     double *sigma_floor; /* count; of what lower_bound is proven for, as in brdffit_result or lower */
+    double *f0; /* count x K x P; zeros without Fresnel */
+    double *x_more; /* count x K x (columns - 1), of the diffuse term's further columns; of no width where it has one */
 } brdffit_texel_results;
 
 /* Zero: every array NULL. NULL is fine: nothing happens. */

@@ -87,6 +87,10 @@ typedef struct brdffit_table {
  * phi_o may be absent only together, and then mean 0 and 180: in-plane data
  * with the mirror direction at theta_o = theta_i), or lx,ly,lz,vx,vy,vz
  * (optionally nx,ny,nz), or a,b,c. A column `weight` (or `w`) holds weights.
+ * A column `uncertainty` (or `stddev`, `std`) holds the standard deviation of
+ * the sample's values, > 0, in their units: of radiance u the weight is
+ * 1 / u^2, and of f_r, whose residuals are multiplied by n.l, 1 / (u n.l)^2;
+ * times that of a column `weight` where there are both.
  * All other columns are channels. A UTF-8 byte-order mark, CRLF, quoted
  * headers and blanks around fields are fine. NaN, infinities and text are
  * errors; an empty channel field drops the sample as absent. Each line has

@@ -14,8 +14,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 SRC = ROOT / "src"
 
 # From the bottom up; a folder may use those before it and itself. src/io is a library of its own.
-LAYERS = ["base", "kernels", "model", "data", "solve/conic", "solve", "search", "bound/moment", "bound/socp", "bound/lp",
-          "fit", "batch", "api"]
+LAYERS = ["base", "kernels", "model", "weight", "data", "solve/conic", "solve", "search", "bound/moment", "bound/socp",
+          "bound/lp", "fit", "batch", "api"]
 # Engines do not know each other.
 APART = {"bound/moment", "bound/socp", "bound/lp"}
 

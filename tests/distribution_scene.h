@@ -14,7 +14,17 @@
 
 static inline int by_exponent(brdffit_distribution distribution)
 {
-    return distribution >= BRDFFIT_BLINN_PHONG;
+    switch (distribution) { /* no default: the compiler names a distribution that is missing */
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_GGX:
+    case BRDFFIT_TORRANCE_SPARROW:
+    case BRDFFIT_WARD:
+    case BRDFFIT_DISTRIBUTION_COUNT: return 0;
+    case BRDFFIT_BLINN_PHONG:
+    case BRDFFIT_ASHIKHMIN_SHIRLEY:
+    case BRDFFIT_LAFORTUNE: return 1;
+    }
+    return 0;
 }
 
 /* ---- textbook formulas -------------------------------------------------------------------------------- */
@@ -63,8 +73,10 @@ static inline long double textbook(brdffit_distribution distribution, const doub
     case BRDFFIT_BLINN_PHONG: return l[2] * (parameter + 2.0L) / (2.0L * PI) * powl(nh, parameter);
     case BRDFFIT_ASHIKHMIN_SHIRLEY:
         return l[2] * (parameter + 1.0L) / (8.0L * PI) * powl(nh, parameter) / (vh * fmaxl(l[2], v[2]));
-    default: return l[2] * (parameter + 2.0L) / (2.0L * PI) * powl(fmaxl(dot(r, v), 0.0L), parameter);
+    case BRDFFIT_LAFORTUNE: return l[2] * (parameter + 2.0L) / (2.0L * PI) * powl(fmaxl(dot(r, v), 0.0L), parameter);
+    case BRDFFIT_DISTRIBUTION_COUNT: break;
     }
+    return NAN;
 }
 
 /* ---- directions: half vectors from 1e-4 rad of the normal to the horizon ------------------------------ */

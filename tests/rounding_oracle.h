@@ -112,12 +112,29 @@ static inline struct oracle_row oracle_row(brdffit_distribution distribution, co
         row.b = at->mirror > 0 ? at->light : 0;
         row.c = !(at->mirror > 0) ? 0 : at->off < (quad)0.5 ? -log1pq(-at->off) : -logq(at->mirror);
         break;
-    default:
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_GGX:
         row.b = g / (pi * at->view) * (1 + at->tan2) * (1 + at->tan2);
         row.c = at->tan2;
         break;
+    case BRDFFIT_DISTRIBUTION_COUNT: row.b = row.c = nanq(""); break;
     }
     return row;
+}
+
+static inline int oracle_by_exponent(brdffit_distribution distribution)
+{
+    switch (distribution) { /* no default: the compiler names a distribution that is missing */
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_GGX:
+    case BRDFFIT_TORRANCE_SPARROW:
+    case BRDFFIT_WARD:
+    case BRDFFIT_DISTRIBUTION_COUNT: return 0;
+    case BRDFFIT_BLINN_PHONG:
+    case BRDFFIT_ASHIKHMIN_SHIRLEY:
+    case BRDFFIT_LAFORTUNE: return 1;
+    }
+    return 0;
 }
 
 /* lambda(s) phi(s, c) / phi(s, c_min). */
@@ -135,8 +152,12 @@ static inline quad oracle_lambda(brdffit_distribution distribution, quad s)
     case BRDFFIT_BLINN_PHONG:
     case BRDFFIT_LAFORTUNE: return (s + 2) / (2 * oracle_pi());
     case BRDFFIT_ASHIKHMIN_SHIRLEY: return (s + 1) / (8 * oracle_pi());
-    default: return s;
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_GGX:
+    case BRDFFIT_WARD: return s;
+    case BRDFFIT_DISTRIBUTION_COUNT: break;
     }
+    return nanq("");
 }
 
 #endif

@@ -217,7 +217,7 @@ struct range {
 
 static inline struct range range_of(const struct problem *p, const brdffit_result *result)
 {
-    int exponent = p->options.distribution >= BRDFFIT_BLINN_PHONG;
+    int exponent = oracle_by_exponent(p->options.distribution);
     quad low = exponent ? (quad)p->options.exponent_min : 1 / ((quad)p->options.sigma_max * p->options.sigma_max);
     quad high = exponent ? (quad)p->options.exponent_max : 1 / ((quad)p->options.sigma_min * p->options.sigma_min);
     struct range range = {low, fminq(high, 1 / ((quad)result->sigma_floor * result->sigma_floor))};

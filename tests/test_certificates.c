@@ -17,11 +17,12 @@
 #include <cmocka.h>
 
 #include "brdffit_io.h"
+#include "fewer.h"
 #include "quad/campaign_run.h"
 #include "support.h"
 
 /* Evaluations of E^2 a fit: enough for a grid of the domain and a descent to 1e-20 of the optimum. */
-#define EFFORT 300
+#define EFFORT FEWER(300, 60)
 #define LINES 6
 
 struct tally {
@@ -69,7 +70,7 @@ static void every_way(struct tally *tally, struct fit_question *q)
     static const double gaps[3] = {1e-3, 1e-6, 1e-10};
     int engine, normalise, gap;
 
-    q->options.box_budget = 20000;
+    q->options.box_budget = FEWER(20000, 1000);
     for (q->lobes = 1; q->lobes <= 2; q->lobes++) {
         for (engine = 0; engine < BRDFFIT_ENGINE_COUNT; engine++) {
             for (normalise = 0; normalise < 2; normalise++) {
@@ -225,7 +226,7 @@ static void test_domain_end(void **state)
     (void)state;
     for (i = 0; i < 6; i++) {
         for (narrow = 0; narrow < 2; narrow++) {
-            for (n = 0; n < 20; n++) {
+            for (n = 0; n < FEWER(20, 5); n++) {
                 domain_end(&tally, x[i], narrow, &random);
             }
         }

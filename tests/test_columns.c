@@ -127,7 +127,7 @@ static void check_interval(int p, int depth, uint64_t *s, long *points, long *cu
 
     if (model->each > 1) {
         v[1] = brdffit_bound_moment_side(&m.fit.moment, kind + model->axes, (uint32_t)p, depth);
-        *curved += v[1]->beside_shift > 0.0;
+        *curved += v[1]->beside->shift > 0.0;
     }
     for (i = 0; i < 8; i++) {
         const double *range = m.fit.axis[kind].coordinate + 2 * p;
@@ -152,7 +152,7 @@ static void check_interval(int p, int depth, uint64_t *s, long *points, long *cu
                             cc_dot(column[f], column[fixed + c], m.count), "kappa");
             }
             if (c > 0) {
-                check_falls(v[1]->beside[0], v[1]->beside[1], v[1]->beside_shift, v[1]->beside_inf, x,
+                check_falls(v[1]->beside->end[0], v[1]->beside->end[1], v[1]->beside->shift, v[1]->beside->least, x,
                             cc_dot(column[fixed], column[fixed + 1], m.count), "the cosine of both columns");
             }
         }

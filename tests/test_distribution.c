@@ -320,8 +320,11 @@ static void test_ends(void **state)
     scene_new(s);
     brdffit_options_init(&options);
     options.max_incidence = 90.0;
-    for (options.distribution = BRDFFIT_BLINN_PHONG; options.distribution < BRDFFIT_DISTRIBUTION_COUNT;
+    for (options.distribution = BRDFFIT_BECKMANN; options.distribution < BRDFFIT_DISTRIBUTION_COUNT;
          options.distribution = (brdffit_distribution)(options.distribution + 1)) {
+        if (!by_exponent(options.distribution)) {
+            continue;
+        }
         scene_values(s, options.distribution, truth, 1);
         for (i = 0; i < 3; i++) {
             brdffit_samples samples = scene_samples(s, BRDFFIT_FORM_ANGLES);

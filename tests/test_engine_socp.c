@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "fewer.h"
 #include "support.h"
 
 static brdffit_options options_of(int lobes, double gap)
@@ -86,7 +87,7 @@ static void test_same_optimum_one_lobe(void **state)
     int i;
 
     (void)state;
-    for (i = 0; i < 28; i++) {
+    for (i = 0; i < FEWER(28, 7); i++) {
         struct brdffit_test_spec spec = brdffit_test_spec_default();
         brdffit_options options = options_of(1, 1e-4);
         struct brdffit_test_data data;
@@ -109,10 +110,10 @@ static void test_same_optimum_one_lobe(void **state)
 /* First-order bounds: a gap that they can close in reasonable time where a second lobe is in the data. */
 static void test_same_optimum_two_lobes(void **state)
 {
-    int i, closed = 0;
+    int i, closed = 0, count = FEWER(6, 2);
 
     (void)state;
-    for (i = 0; i < 6; i++) {
+    for (i = 0; i < count; i++) {
         struct brdffit_test_spec spec = brdffit_test_spec_default();
         brdffit_options options = options_of(2, 0.05);
         struct brdffit_test_data data;
@@ -126,7 +127,7 @@ static void test_same_optimum_two_lobes(void **state)
         closed += compare(&data.samples, &options);
         brdffit_test_data_free(&data);
     }
-    assert_int_equal(closed, 12);
+    assert_int_equal(closed, 2 * count);
 }
 
 /* Judged, counted, and open only where the budget says so. */
@@ -156,7 +157,7 @@ static void test_columns_of_any_scale(void **state)
     for (lobes = 1; lobes <= 2; lobes++) {
         for (i = 0; i < sizeof scale / sizeof *scale; i++) {
             struct brdffit_test_spec spec = brdffit_test_spec_default();
-            brdffit_options options = options_of(lobes, 0.1);
+            brdffit_options options = options_of(lobes, FEWER(0.1, 0.3));
             struct brdffit_test_data data;
             struct brdffit_test_result result;
 
@@ -245,7 +246,7 @@ static void test_any_number_of_channels_and_samples(void **state)
                 spec.count = count[i];
                 spec.channels = channels[k];
                 spec.noise = 0.02;
-                options.box_budget = k ? 300 : 3000;
+                options.box_budget = k ? FEWER(300, 30) : FEWER(3000, 100);
                 brdffit_test_data_new(&spec, &data);
                 result = survives(&data.samples, &options);
                 assert_int_equal(result.samples_used, spec.count);

@@ -144,6 +144,7 @@ static void call_strings(void)
     }
     STRING(brdffit_status_string, BRDFFIT_ERR_VALUE);
     STRING(brdffit_skip_string, BRDFFIT_SKIP_INCIDENCE);
+    STRING(brdffit_weighting_string, BRDFFIT_WEIGHTING_RELATIVE);
     STRING(brdffit_distribution_string, BRDFFIT_GGX);
     STRING(brdffit_distribution_title, BRDFFIT_GGX);
     STRING(brdffit_parameter_string, BRDFFIT_GGX);
@@ -202,6 +203,22 @@ static void call_fits(const brdffit_samples *samples)
     keep_result(r);
     VOID(brdffit_result_free, r);
     free(workspace);
+}
+
+static void call_weights(const brdffit_samples *samples)
+{
+    const size_t size = brdffit_weights_size(SAMPLES, CHANNELS, BRDFFIT_WEIGHTING_SOLID_ANGLE);
+    void *memory = malloc(size);
+    double out[SAMPLES];
+
+    VALUE(size_t, brdffit_weights_size, SAMPLES, CHANNELS, BRDFFIT_WEIGHTING_RELATIVE);
+    STATUS(brdffit_weights, samples, BRDFFIT_WEIGHTING_SOLID_ANGLE, 0, memory, size, out, NULL);
+    keep(out, sizeof out);
+    VALUE(double, brdffit_weights_effective, out, SAMPLES);
+    VALUE(int, brdffit_weights_crowded, samples, out, memory, size);
+    STATUS(brdffit_weights, samples, BRDFFIT_WEIGHTING_RELATIVE, 0.1, memory, size, out, NULL);
+    keep(out, sizeof out);
+    free(memory);
 }
 
 static void call_maps(const brdffit_samples *samples)
@@ -401,6 +418,7 @@ static void call_all(const brdffit_samples *samples)
     now.size = 0;
     call_strings();
     call_fits(samples);
+    call_weights(samples);
     call_maps(samples);
     call_sums(samples);
     call_tables();

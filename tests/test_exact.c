@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "fewer.h"
 #include "support.h"
 
 /* Each test runs with one and two lobes and both distributions. */
@@ -201,7 +202,7 @@ static void test_any_limit(void **state)
     int round;
 
     (void)state;
-    for (round = 0; round < 40; round++) {
+    for (round = 0; round < FEWER(40, 8); round++) {
         FOR_EACH_MODEL(options)
         {
             double limit = brdffit_test_log_uniform(&random, 0.01, 0.1), truth[2] = {0.5 * limit, 20.0 * limit};

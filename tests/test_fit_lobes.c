@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "fewer.h"
 #include "lobes_case.h"
 #include "verify.h"
 #include "verify_problem.h"
@@ -94,7 +95,7 @@ static void test_lists_are_judged(void **state)
 
     (void)state;
     for (i = 0; i < LISTS; i++) {
-        for (seed = 1; seed <= 3; seed++) {
+        for (seed = 1; seed <= FEWER(3, 1); seed++) {
             struct list_case c;
             struct brdffit_test_fit fit;
 
@@ -118,7 +119,7 @@ static void test_nasty_problems(void **state)
     uint64_t seed;
 
     (void)state;
-    for (seed = 1; fits < 120; seed++) {
+    for (seed = 1; fits < FEWER(120, 30); seed++) {
         if (lc_open(&m, seed, BRDFFIT_NORM_L2, BRDFFIT_ENGINE_MOMENT) && !m.samples.weights) {
             struct brdffit_test_fit fit;
 
@@ -160,7 +161,7 @@ static void test_order_of_the_list(void **state)
 }
 
 /* Brute force: every point of a grid in ln sigma, with the judge's long double columns. */
-#define GRID 18
+#define GRID FEWER(18, 8)
 
 static void test_against_a_grid(void **state)
 {

@@ -14,6 +14,7 @@
 #include <cmocka.h>
 
 #include "base/tolerance.h"
+#include "fewer.h"
 #include "rounding_problem.h"
 
 /* Fit and compare: as doubles, and moved `moves` times by what directions are known to. e2 is that of the doubles. */
@@ -130,7 +131,7 @@ static void test_lafortune(void **state)
                 p.options.relative_gap = k ? 1e-3 : 1e-6;
                 p.options.engine = k == 1 ? BRDFFIT_ENGINE_SOCP : BRDFFIT_ENGINE_MOMENT;
                 p.options.norm = k == 2 ? BRDFFIT_NORM_L1 : k == 3 ? BRDFFIT_NORM_LINF : BRDFFIT_NORM_L2;
-                p.options.box_budget = k ? 300 : 20000;
+                p.options.box_budget = k ? FEWER(300, 30) : FEWER(20000, 2000);
                 check_lafortune(&random, &p, &degrees);
             }
         }
@@ -212,10 +213,10 @@ static void test_near_mirror(void **state)
 {
     struct brdffit_test_random random = {12};
     static struct problem p;
-    int i, certified = 0;
+    int i, certified = 0, count = FEWER(400, 112);
 
     (void)state;
-    for (i = 0; i < 400; i++) {
+    for (i = 0; i < count; i++) {
         near_mirror_case(&random, &p, i % 2 ? -12.0 : -9.0);
         p.options.distribution = (brdffit_distribution)(i % BRDFFIT_DISTRIBUTION_COUNT);
         p.options.relative_gap = i % 3 ? 1e-3 : 1e-8;
@@ -224,7 +225,7 @@ static void test_near_mirror(void **state)
         p.options.box_budget = i % 8 == 7 || p.options.norm != BRDFFIT_NORM_L2 ? 200 : 2000;
         check_fit(&random, &p, 3, 1, &certified);
     }
-    assert_true(certified > 150);
+    assert_true(certified > count * 3 / 8);
 }
 
 /* Two lobes: both are charged. */
@@ -232,10 +233,10 @@ static void test_near_mirror_two(void **state)
 {
     struct brdffit_test_random random = {14};
     static struct problem p;
-    int i, certified = 0;
+    int i, certified = 0, count = FEWER(60, 14);
 
     (void)state;
-    for (i = 0; i < 60; i++) {
+    for (i = 0; i < count; i++) {
         near_mirror_case(&random, &p, i % 2 ? -12.0 : -9.0);
         p.options.distribution = (brdffit_distribution)(i % BRDFFIT_DISTRIBUTION_COUNT);
         p.options.lobes = 2;
@@ -243,7 +244,7 @@ static void test_near_mirror_two(void **state)
         p.options.box_budget = 3000;
         check_fit(&random, &p, 2, 1, &certified);
     }
-    assert_true(certified > 10);
+    assert_true(certified > count / 6);
 }
 
 /* Mirror images but for 1e-15 rad, which are one half angle to the search: lobes of 1e-12 tell them apart. */
@@ -255,7 +256,7 @@ static void test_mirror_images(void **state)
     int certified = 0, i, k;
 
     (void)state;
-    for (k = 0; k < 40; k++) {
+    for (k = 0; k < FEWER(40, 14); k++) {
         problem_start(&p);
         p.samples.count = 8;
         p.options.distribution = (brdffit_distribution)(k % BRDFFIT_DISTRIBUTION_COUNT);
@@ -309,7 +310,7 @@ static void test_grazing(void **state)
     int i, certified = 0;
 
     (void)state;
-    for (i = 0; i < 300; i++) {
+    for (i = 0; i < FEWER(300, 56); i++) {
         grazing_case(&random, &p, i % 2);
         p.options.distribution = i % 4 == 0 ? BRDFFIT_WARD : (brdffit_distribution)(i % BRDFFIT_DISTRIBUTION_COUNT);
         p.options.relative_gap = 1e-11;

@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "fewer.h"
 #include "fit/fit.h"
 #include "support.h"
 
@@ -178,7 +179,7 @@ static void test_against_a_grid(void **state)
     int i, lobes;
 
     (void)state;
-    for (i = 0; i < 12; i++) {
+    for (i = 0; i < FEWER(12, 4); i++) {
         for (lobes = 1; lobes <= 2; lobes++) {
             brdffit_options options = options_of(i % 2 ? BRDFFIT_NORM_L1 : BRDFFIT_NORM_LINF, lobes);
             struct brdffit_test_fit fit;
@@ -188,7 +189,7 @@ static void test_against_a_grid(void **state)
             make(&d, 10 + (uint64_t)i, 24 + (size_t)i, 1 + (size_t)i % 3, 2, 0.1, i % 4 == 2 || i % 4 == 3);
             fit_and_judge(&d.samples, &options, &fit);
             assert_int_equal(fit.result.certified, 1);
-            grid = grid_minimum(&d.samples, &options, lobes > 1 ? 60 : 800);
+            grid = grid_minimum(&d.samples, &options, lobes > 1 ? FEWER(60, 20) : FEWER(800, 200));
             /* No point of the grid is below the bound, and the fit is no worse than the gap beyond the best. */
             assert_true(grid >= fit.result.lower_bound);
             assert_true(fit.result.e2 <= (1.0 + options.relative_gap) * grid);

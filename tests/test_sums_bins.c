@@ -12,6 +12,7 @@
 #include <cmocka.h>
 #include <math.h>
 
+#include "fewer.h"
 #include "data/sums.h"
 #include "support.h"
 
@@ -265,7 +266,7 @@ static void test_claims(void **state)
         rig_new(&r, 4000, noise[i / 6], i % 4 == 1, low[i % 5], high[i % 5], i);
         add_all(&o, &r, 40000, i % 4 == 2 ? 2 : bits, &options);
         fit(&o, &options);
-        check_claims(&r, &o.result, 60, i);
+        check_claims(&r, &o.result, FEWER(60, 8), i);
         check_samples(&r, &options, &o.result);
         outcome_free(&o);
         free(r.a);

@@ -24,8 +24,17 @@ struct verify_angles {
 
 static inline int verify_by_exponent(brdffit_distribution distribution)
 {
-    return distribution == BRDFFIT_BLINN_PHONG || distribution == BRDFFIT_ASHIKHMIN_SHIRLEY ||
-           distribution == BRDFFIT_LAFORTUNE;
+    switch (distribution) { /* no default: the compiler names a distribution that is missing */
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_GGX:
+    case BRDFFIT_TORRANCE_SPARROW:
+    case BRDFFIT_WARD:
+    case BRDFFIT_DISTRIBUTION_COUNT: return 0;
+    case BRDFFIT_BLINN_PHONG:
+    case BRDFFIT_ASHIKHMIN_SHIRLEY:
+    case BRDFFIT_LAFORTUNE: return 1;
+    }
+    return 0;
 }
 
 /* Range of sigma = 1/sqrt(s) that the options ask for. */
@@ -82,11 +91,14 @@ static inline void verify_row(brdffit_distribution distribution, const struct ve
         out->b = off < 1.0L ? at->nl : 0.0L;
         out->c = off < 1.0L ? -log1pl(-off) : 0.0L;
         return;
-    default: /* Beckmann and GGX */
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_GGX:
         out->b = verify_shadowing(at) / (VERIFY_PI * at->nv * cos2 * cos2);
         out->c = at->tan2;
         return;
+    case BRDFFIT_DISTRIBUTION_COUNT: break;
     }
+    out->b = out->c = NAN;
 }
 
 /*
@@ -96,7 +108,7 @@ static inline void verify_row(brdffit_distribution distribution, const struct ve
 static inline long double verify_error_c(brdffit_distribution distribution, const struct verify_angles *at,
                                          int directions, long double c)
 {
-    long double tangent = sqrtl(at->tan2), root = sqrtl(c), u = VERIFY_UNIT, off, slope, merged;
+    long double tangent = sqrtl(at->tan2), root = sqrtl(c), u = VERIFY_UNIT, off, slope = NAN, merged;
 
     switch (distribution) {
     case BRDFFIT_TORRANCE_SPARROW: slope = 2.0L * root; break;
@@ -106,7 +118,10 @@ static inline long double verify_error_c(brdffit_distribution distribution, cons
         off = verify_off_mirror(at);
         slope = off < 1.0L ? sqrtl(off * (2.0L - off)) / (1.0L - off) : 0.0L;
         break;
-    default: return directions ? 16.0L * u * tangent * (1.0L + at->tan2) + 64.0L * u * u : 0.0L;
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_GGX:
+    case BRDFFIT_WARD: return directions ? 16.0L * u * tangent * (1.0L + at->tan2) + 64.0L * u * u : 0.0L;
+    case BRDFFIT_DISTRIBUTION_COUNT: break;
     }
     merged = directions ? 16.0L * u * root * (1.0L + c) : 0.0L;
     return 8.0L * u * c + (directions || distribution == BRDFFIT_LAFORTUNE ? 8.0L * u * slope + 64.0L * u * u : 0.0L) +
@@ -124,8 +139,11 @@ static inline long double verify_lobe(brdffit_distribution distribution, long do
     case BRDFFIT_ASHIKHMIN_SHIRLEY: return (s + 1.0L) / (8.0L * VERIFY_PI) * expl(-c * s);
     case BRDFFIT_BLINN_PHONG:
     case BRDFFIT_LAFORTUNE: return (s + 2.0L) / (2.0L * VERIFY_PI) * expl(-c * s);
-    default: /* Beckmann, Ward */ return s * expl(-c * s);
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_WARD: return s * expl(-c * s);
+    case BRDFFIT_DISTRIBUTION_COUNT: break;
     }
+    return NAN;
 }
 
 #endif

@@ -19,6 +19,7 @@ PAGES = (
      ("Samples", "MerlTable", "load_merl", "RGLMaterial", "load_rgl", "protocol84")),
     ("fits", "Fits", "One fit or many; what is asked for, and what comes back.",
      ("fit", "fit_many", "Fit", "Options", "Progress")),
+    ("compare", "Which model", "Many forms of model on the same samples: :doc:`/compare`.", ("compare", "Comparison")),
     ("maps", "Maps", "Every texel of a stack of images.", ("fit_map", "FitMap", "MapProgress", "Stack", "load_stack",
                                                         "LightPositions", "load_lp")),
     ("proof", "The proof, box by box", "The search itself, to look at: :doc:`/proof` draws these.", ("fit_boxes", "Boxes")),

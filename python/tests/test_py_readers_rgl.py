@@ -89,13 +89,16 @@ def test_real_measurements_are_where_the_interpolant_passes_through():
     for file in real_files():
         m = brdffit.load_rgl(file)
         s = m.samples()
-        assert len(s) + s.dropped["masked"] == m._values[..., 0].size and len(s) > 0.74 * m._values[..., 0].size
+        entries, repeated = m._values[..., 0].size, s.dropped["repeated"]
+        assert len(s) + repeated + s.dropped["masked"] == entries and len(s) + repeated > 0.74 * entries
         back = m.lookup(s.light, s.view)
         known = ~np.isnan(back).any(1)  # on a blind cell's very edge, rounding decides
         assert known.mean() > 0.99
         difference = np.abs(back - s.values)[known].max(1) / (np.abs(s.values[known]).max(1) + 1e-6 * s.values.max())
-        # The azimuth of a half vector at the normal is lost; the database's values there agree to about this.
-        assert np.median(difference) < 1e-12 and difference.max() < 1e-3, file
+        # In the plane of the seam and in the mirror direction a sample is the mean of several, up to 20 % apart.
+        alone = np.abs(s.view[known, 1]) > 1e-3
+        assert np.median(difference) < 1e-12 and difference.max() < 0.2, file
+        assert alone.mean() > 0.8 and difference[alone].max() < 1e-3, file
 
 
 def test_measurements_are_the_files_own(tmp_path):
@@ -106,16 +109,18 @@ def test_measurements_are_the_files_own(tmp_path):
     angle = np.degrees(np.arccos(s.light[:, 2]))
     assert s.format == "rgl" and s.quantity == "brdf" and s.channels == ("r", "g", "b")
     assert set(np.round(angle, 3)) == set(np.round(theta, 3)) and (s.light[:, 1] == 0).all() and (s.view[:, 2] > 0).all()
-    assert len(s) + s.dropped["masked"] == values[:, 0].size
-    # Without the factor D/(4 sigma), f_r cos is the table's entry, and each seen entry appears once.
+    assert len(s) + s.dropped["repeated"] + s.dropped["masked"] == values[:, 0].size
+    # Without the factor D/(4 sigma), f_r cos is the table's entry, and each seen entry appears once, or in a mean of those
+    # whose directions are the same: the seven mirror directions and the seam.
     flat = values.transpose(0, 2, 3, 1).reshape(-1, 3)
     product = s.values * s.view[:, 2:]
     distance = np.abs(flat[:, None, :] - product[None, :, :]).max(2)
-    assert (distance.min(0) < 1e-6).all() and len(set(distance.argmin(0))) == len(s)
+    alone = distance.min(0) < 1e-6
+    assert len(set(distance.argmin(0)[alone])) == alone.sum() and 0 < len(s) - alone.sum() <= s.dropped["repeated"]
     # And there the interpolant gives the entry back, except on the rim, where directions coincide.
     inner = np.zeros(values[:, 0].shape, bool)
     inner[:, 1:-1, 1:-1] = True
-    inner = inner.ravel()[distance.argmin(0)]
+    inner = inner.ravel()[distance.argmin(0)] & alone
     back = m.eval(s.light, s.view, clip=False)
     assert inner.sum() > 200
     assert (np.abs(back - s.values)[inner] < 1e-6 * s.values.max(1)[inner, None]).all()
@@ -222,7 +227,9 @@ def test_fit_and_report(tmp_path, capsys):
     load(tmp_path, material())
     path = tmp_path / "made_up.bsdf"
     fit = brdffit.fit(path, lobes=1)
-    assert fit.certified and fit.format == "rgl" and fit.samples_used + sum(fit.samples_skipped.values()) == 700
+    assert fit.certified and fit.format == "rgl" and fit.weighting == "solid-angle"
+    repeated = brdffit.Samples.from_file(path).dropped["repeated"]
+    assert repeated > 0 and fit.samples_used + sum(fit.samples_skipped.values()) + repeated == 700
     assert brdffit.Fit.from_json(fit.to_json()).sigma == fit.sigma
     assert "masked (not measured)" in str(fit)
     assert report([str(path), "-o", str(tmp_path / "pages"), "--lobes", "1"]) == 0

@@ -9,6 +9,7 @@ import pytest
 import brdffit
 import harness
 import model
+from brdffit.readers import native
 
 
 def test_the_shipped_example_is_the_goniometers(instruments):
@@ -144,3 +145,13 @@ def test_reads_lines_of_directions(instruments, tmp_path):
     (tmp_path / "fit.json").write_text(fit.to_json() + "\n")
     done = harness.run("eval", tmp_path / "fit.json", path)
     assert done.returncode == 0, done.stderr
+
+
+def test_a_format_that_only_the_library_knows(tmp_path, monkeypatch):
+    """A library newer than this package: its word is missing here, the samples are not."""
+    (tmp_path / "s.csv").write_text("a,b,c,v\n0.3,0.2,0.1,1\n0.2,0.3,0.4,2\n")
+    monkeypatch.setattr(native.structs, "FORMAT", ("auto",))
+    members = native.read(tmp_path / "s.csv")
+    assert members["format"] == "unknown" and members["merl_bins"] is None and members["values"].tolist() == [[1], [2]]
+    with pytest.raises(brdffit.OptionError, match="format must be one of 'auto', not 'ply'"):
+        native.read(tmp_path / "s.csv", "ply")

@@ -26,7 +26,7 @@ import harness
 
 CASES = sorted((harness.HERE / "cases").glob("*.txt"))
 NUMBER = r"[0-9](?:[0-9.,]*[0-9])?(?:e[-+]?[0-9]+)?"
-PARAGRAPH = "(?:Proven:|NOT proven:|Verified:|NOT verified:|Warning,|Search:|Skipped:|Format:|Used:)"
+PARAGRAPH = "(?:Proven:|NOT proven:|Verified:|NOT verified:|Warning,|Search:|Lobes:|Skipped:|Format:|Used:)"
 MASKS = [
     (r"(read|reduce|search)\s+" + NUMBER + r"\s+(ms|s)\b", r"\1 <time>"),
     (NUMBER + r"\s+box(es)?,\s+" + NUMBER + r"\s+nodes?", "<n> boxes, <n> nodes"),
@@ -42,6 +42,8 @@ MASKS = [
     (r"this\s+one\s+has\s+" + NUMBER, "this one has <e2>"),
     (r"fit's\s+" + NUMBER, "fit's <e2>"),
     (r"by\s+more\s+than\s+" + NUMBER, "by more than <gap>"),
+    (r"(?m) +" + NUMBER + r" (ms|s)$", " <time>"),
+    (r"\bBIC by " + NUMBER, "BIC by <n>"),
     # Residuals of an exact fit.
     (r" +[0-9.]+e-(1[3-9]|2[0-9]|3[0-9])\b", " <rounding>"),
     (r"brdffit [0-9]+\.[0-9]+\.[0-9]+$", "brdffit <version>"),

@@ -1,13 +1,14 @@
 /*
  * Random problems whose certificates are held against quad precision:
  *
- *     campaign SEED COUNT [--from N] [--family NAME] [--effort N] [--boxes N] [--proofs N] [--print N] [--keep DIR]
- *              [--progress N]
+ *     campaign SEED COUNT [--from N] [--family NAME] [--effort N] [--budget N] [--boxes N] [--proofs N] [--print N]
+ *              [--keep DIR] [--progress N]
  *     campaign replay FILE...         problems that were printed, once more
  *
  * --from       number of the first problem (0): a fault names its number, and `campaign SEED 1 --from N` is that one,
  *              with --family NAME where that was given; problem N is of family N mod their number otherwise
  * --effort     evaluations of E^2 in search of a better point, a fit (200)
+ * --budget     boxes of a fit of one lobe, at most (0: what the problem says); fewer where lobes or engine make them dear
  * --boxes      attack the boxes of one fit in so many (16; 1: all, 0: none); --proofs: brdffit_verify() (32)
  * --print      faulty problems printed in full, of each family and kind (1); --keep writes all of them, a file each
  * --progress   the table so far on stderr, after so many problems
@@ -24,8 +25,8 @@ static int usage(void)
     int f;
 
     fputs(
-        "campaign SEED COUNT [--from N] [--family NAME] [--effort N] [--boxes N] [--proofs N] [--print N] [--keep DIR] "
-        "[--progress N]\ncampaign replay FILE...\nfamilies:",
+        "campaign SEED COUNT [--from N] [--family NAME] [--effort N] [--budget N] [--boxes N] [--proofs N] [--print N] "
+        "[--keep DIR] [--progress N]\ncampaign replay FILE...\nfamilies:",
         stderr);
     for (f = 0; f < draw_family_count; f++) {
         fprintf(stderr, " %s", draw_families[f].name);
@@ -57,6 +58,8 @@ static int option(struct campaign *c, const char *name, const char *value)
         return c->family >= 0;
     } else if (!strcmp(name, "--effort")) {
         c->effort = number;
+    } else if (!strcmp(name, "--budget")) {
+        c->budget = number;
     } else if (!strcmp(name, "--boxes")) {
         c->boxes = number;
     } else if (!strcmp(name, "--proofs")) {

@@ -9,6 +9,8 @@
 #include <string.h>
 
 #define MOST_TEXELS 64
+/* The reported point, a few of its neighbours and of the domain. */
+#define EFFORT_LEAST 16
 
 void campaign_defaults(struct campaign *c)
 {
@@ -44,7 +46,18 @@ static size_t effort_of(const struct campaign *c, const struct draw *d)
     if (cost > 200) {
         effort = effort * 200 / cost;
     }
-    return effort < 30 ? 30 : effort;
+    return effort < EFFORT_LEAST ? EFFORT_LEAST : effort;
+}
+
+/* Boxes of several lobes, of many channels and of cone programs are dear: a search cut short claims a bound all the same. */
+static void limit_boxes(const struct campaign *c, struct fit_question *q)
+{
+    size_t dear = q->options.engine == BRDFFIT_ENGINE_MOMENT && q->options.norm == BRDFFIT_NORM_L2 ? 1 : 20;
+    size_t most = c->budget / (dear * (size_t)(q->lobes * q->lobes) * (1 + q->samples->channels / 8));
+
+    if (c->budget && q->options.box_budget > most) {
+        q->options.box_budget = most + 1;
+    }
 }
 
 static size_t fit(const struct draw *d, struct fit_view *views)
@@ -76,8 +89,8 @@ static void print(const struct campaign *c, const struct draw *d, size_t texel, 
     char text[2048];
 
     judge_describe(verdict, view, text, sizeof text);
-    fprintf(to, "# campaign %llu 1 --from %lu --family %s: texel %zu: %s\n", (unsigned long long)c->seed, n, family,
-            texel, text);
+    fprintf(to, "# campaign %llu 1 --from %lu --family %s --effort %zu --budget %zu: texel %zu: %s\n",
+            (unsigned long long)c->seed, n, family, c->effort, c->budget, texel, text);
     draw_print(d, texel, to);
     fflush(to);
 }
@@ -133,6 +146,7 @@ static void problem(const struct campaign *c, unsigned long n, int family, struc
     size_t t, count, length;
 
     draw_problem(&d, &draw_families[family], seed_of(c, n));
+    limit_boxes(c, &d.question);
     length = d.samples.count * d.samples.channels;
     count = fit(&d, views);
     for (t = 0; t < count; t++) {

@@ -14,6 +14,7 @@ struct campaign {
     unsigned long from, count; /* problems by number; problem n is of family n mod draw_family_count */
     int family;                /* only this one; -1: all */
     size_t effort;             /* evaluations of E^2 a fit */
+    size_t budget;             /* boxes of a fit of one lobe, at most; fewer for dearer boxes; 0: as drawn */
     size_t boxes, proofs;      /* one fit in so many has its boxes attacked, and a level proven; 0: none */
     int print;                 /* faulty problems to print in full, of each family and kind of fault */
     const char *keep;          /* folder for all of them, or NULL */

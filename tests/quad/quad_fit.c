@@ -1,8 +1,9 @@
 /*
  * E^2 at a model, and the least one at given roughnesses. SPDX-License-Identifier: MIT
  *
- * Least squares with coefficients >= 0: every support (at most 127) is solved by Cholesky of unit columns, the best of
- * those without a negative coefficient is taken, and its E^2 summed from its residuals. A support that is wrong by
+ * Least squares with coefficients >= 0: supports (at most 127) are solved by Cholesky of unit columns, from all columns
+ * down, until one has no negative coefficient and no column outside of it that would help: that is the optimum. Where
+ * rounding hides it, the best of all of them is taken. E^2 is summed from its residuals. A support that is wrong by
  * rounding costs nothing but a slightly worse point: what is returned is the E^2 of coefficients >= 0 all the same.
  */
 #include "quad.h"
@@ -114,7 +115,8 @@ struct normal {
     quad length[QUAD_COLUMNS];
     quad gram[QUAD_COLUMNS][QUAD_COLUMNS];
     quad factor[SUPPORTS][QUAD_COLUMNS][QUAD_COLUMNS]; /* Cholesky of each support, rows of its columns in order */
-    int usable[SUPPORTS];
+    quad over[SUPPORTS][QUAD_COLUMNS];                 /* 1 / its diagonal */
+    enum { UNKNOWN, USABLE, USELESS } state[SUPPORTS]; /* factored when it is first asked for */
 };
 
 static quad dot(const quad *u, const quad *v, size_t n)
@@ -158,8 +160,9 @@ static int cholesky(struct normal *m, int support)
             if (i == j && !(sum > DEPENDENT)) {
                 return 0;
             }
-            f[i][j] = i == j ? sqrtq(sum) : sum / f[j][j];
+            f[i][j] = i == j ? sqrtq(sum) : sum * m->over[support][j];
         }
+        m->over[support][i] = 1 / f[i][i];
     }
     return 1;
 }
@@ -168,7 +171,7 @@ static int cholesky(struct normal *m, int support)
 static void normal_equations(const struct quad_problem *p, const quad *column, quad *weighted, struct normal *m)
 {
     size_t n = p->count, row;
-    int i, j, support;
+    int i, j;
 
     m->columns = p->columns;
     for (i = 0; i < m->columns; i++) {
@@ -185,9 +188,15 @@ static void normal_equations(const struct quad_problem *p, const quad *column, q
         }
         m->gram[i][i] = 1;
     }
-    for (support = 1; support < 1 << m->columns; support++) {
-        m->usable[support] = cholesky(m, support);
+    memset(m->state, 0, sizeof m->state);
+}
+
+static int usable(struct normal *m, int support)
+{
+    if (m->state[support] == UNKNOWN) {
+        m->state[support] = cholesky(m, support) ? USABLE : USELESS;
     }
+    return m->state[support] == USABLE;
 }
 
 /* Coefficients of unit columns on a support; the gain t.z, or -1 when one of them is not positive. */
@@ -202,14 +211,14 @@ static quad solve_support(const struct normal *m, int support, const quad *t, qu
         for (k = 0; k < i; k++) {
             y[i] -= f[i][k] * y[k];
         }
-        y[i] /= f[i][i];
+        y[i] *= m->over[support][i];
     }
     memset(z, 0, QUAD_COLUMNS * sizeof *z);
     for (i = n - 1; i >= 0; i--) {
         for (k = i + 1; k < n; k++) {
             y[i] -= f[k][i] * y[k];
         }
-        y[i] /= f[i][i];
+        y[i] *= m->over[support][i];
         if (!(y[i] > 0)) {
             return -1;
         }
@@ -219,23 +228,42 @@ static quad solve_support(const struct normal *m, int support, const quad *t, qu
     return gain;
 }
 
-static quad channel_l2(const struct quad_problem *p, const struct normal *m, const quad *column, const quad *weighted,
+/* Whether no column outside of a support would make E^2 smaller: z > 0 on the support is then the optimum. */
+static int optimal(const struct normal *m, int support, const quad *t, const quad *z)
+{
+    int i, j;
+
+    for (j = 0; j < m->columns; j++) {
+        quad slope = t[j];
+
+        for (i = 0; i < m->columns && !(support & (1 << j)); i++) {
+            slope -= z[i] > 0 ? m->gram[j][i] * z[i] : 0;
+        }
+        if (!(support & (1 << j)) && m->length[j] > 0 && !(slope <= 0)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static quad channel_l2(const struct quad_problem *p, struct normal *m, const quad *column, const quad *weighted,
                        size_t k, quad *z)
 {
     const quad *data = p->data + k * p->count;
     quad t[QUAD_COLUMNS], trial[QUAD_COLUMNS], best = 0;
-    int j, support;
+    int j, support, done = 0;
 
     for (j = 0; j < m->columns; j++) {
         t[j] = m->length[j] > 0 ? dot(data, weighted + (size_t)j * p->count, p->count) / m->length[j] : 0;
         z[j] = 0;
     }
-    for (support = 1; support < 1 << m->columns; support++) {
-        quad gain = m->usable[support] ? solve_support(m, support, t, trial) : -1;
+    for (support = (1 << m->columns) - 1; support > 0 && !done; support--) {
+        quad gain = usable(m, support) ? solve_support(m, support, t, trial) : -1;
 
         if (gain > best) {
             best = gain;
             memcpy(z, trial, sizeof trial);
+            done = optimal(m, support, t, trial);
         }
     }
     for (j = 0; j < m->columns; j++) {

@@ -11,8 +11,17 @@ static quad quad_pi(void)
 
 int quad_by_exponent(brdffit_distribution distribution)
 {
-    return distribution == BRDFFIT_BLINN_PHONG || distribution == BRDFFIT_ASHIKHMIN_SHIRLEY ||
-           distribution == BRDFFIT_LAFORTUNE;
+    switch (distribution) { /* no default: the compiler names a distribution that is missing */
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_GGX:
+    case BRDFFIT_TORRANCE_SPARROW:
+    case BRDFFIT_WARD:
+    case BRDFFIT_DISTRIBUTION_COUNT: return 0;
+    case BRDFFIT_BLINN_PHONG:
+    case BRDFFIT_ASHIKHMIN_SHIRLEY:
+    case BRDFFIT_LAFORTUNE: return 1;
+    }
+    return 0;
 }
 
 quad quad_s(double sigma)
@@ -65,11 +74,14 @@ void quad_coefficients(brdffit_distribution distribution, brdffit_masking maskin
         row->b = at->rv > 0 ? at->nl : 0;
         row->c = !(at->rv > 0) ? 0 : at->off < 0.5 ? -log1pq(-at->off) : -logq(at->rv);
         return;
-    default: /* Beckmann and GGX */
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_GGX:
         row->b = shared / (pi * at->nv) * over_cos2 * over_cos2;
         row->c = at->tan2;
         return;
+    case BRDFFIT_DISTRIBUTION_COUNT: break;
     }
+    row->b = row->c = nanq("");
 }
 
 void quad_diffuse(brdffit_diffuse diffuse, const struct quad_angles *at, quad *column)
@@ -129,17 +141,27 @@ quad quad_lambda(brdffit_distribution distribution, quad s)
     case BRDFFIT_BLINN_PHONG:
     case BRDFFIT_LAFORTUNE: return (s + 2) / (2 * pi);
     case BRDFFIT_ASHIKHMIN_SHIRLEY: return (s + 1) / (8 * pi);
-    default: /* Beckmann, GGX, Ward */ return s;
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_GGX:
+    case BRDFFIT_WARD: return s;
+    case BRDFFIT_DISTRIBUTION_COUNT: break;
     }
+    return nanq("");
 }
 
 quad quad_shape(brdffit_distribution distribution, quad s, quad c, quad c_min)
 {
     quad ratio;
 
-    if (distribution == BRDFFIT_GGX) {
-        ratio = (1 + c_min * s) / (1 + c * s);
-        return ratio * ratio;
+    switch (distribution) {
+    case BRDFFIT_GGX: ratio = (1 + c_min * s) / (1 + c * s); return ratio * ratio;
+    case BRDFFIT_BECKMANN:
+    case BRDFFIT_TORRANCE_SPARROW:
+    case BRDFFIT_WARD:
+    case BRDFFIT_BLINN_PHONG:
+    case BRDFFIT_ASHIKHMIN_SHIRLEY:
+    case BRDFFIT_LAFORTUNE: return expq(-(c - c_min) * s);
+    case BRDFFIT_DISTRIBUTION_COUNT: break;
     }
-    return expq(-(c - c_min) * s);
+    return nanq("");
 }

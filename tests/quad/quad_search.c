@@ -315,11 +315,27 @@ static void keep(struct start *list, const quad *s, quad e2, int lobes, const qu
     }
 }
 
+static int common_divisor(int a, int b)
+{
+    return b ? common_divisor(b, a % b) : a;
+}
+
+/* A stride that visits each of n places, far apart from one to the next: a scan that is cut short was everywhere. */
+static int stride_of(int n)
+{
+    int stride = (int)(0.618 * n);
+
+    while (common_divisor(n, stride) != 1) {
+        stride++;
+    }
+    return stride;
+}
+
 void quad_scan(struct quad_search *search, int points)
 {
     quad low[QUAD_LOBES], high[QUAD_LOBES], spacing[QUAD_LOBES], s[QUAD_LOBES] = {1, 1, 1};
     struct start list[STARTS];
-    int lobes = search->problem->lobes, all = 1, n, j, i;
+    int lobes = search->problem->lobes, all = 1, stride, n, j, i;
 
     for (j = 0; j < STARTS; j++) {
         list[j].e2 = strtoflt128("inf", NULL);
@@ -329,8 +345,9 @@ void quad_scan(struct quad_search *search, int points)
         spacing[j] = (high[j] - low[j]) / (points - 1);
         all *= points + 2;
     }
+    stride = stride_of(all);
     for (n = 0; n < all && search->evaluations < search->limit; n++) {
-        int rest = n;
+        int rest = (int)((long)n * stride % all);
 
         for (j = 0; j < lobes; j++, rest /= points + 2) {
             i = rest % (points + 2);

@@ -9,6 +9,7 @@
 
 #include "eval_table.h"
 #include "failure.h"
+#include "weigh.h"
 #include "words.h"
 
 /* A fit of this very file gives its own E^2 again; further off than rounding
@@ -34,7 +35,7 @@ void brdffit_cli_eval_help(void)
     brdffit_cli_text_puts(&text, "\n"
                                  "Exit status: 0 done; 1 a file cannot be read or written, or memory ran\n"
                                  "out; 2 wrong usage; 3 the data or the fit cannot be used.\n");
-    fputs(brdffit_cli_text_string(&text), stdout);
+    brdffit_cli_say(brdffit_cli_text_string(&text));
     brdffit_cli_text_free(&text);
 }
 
@@ -61,6 +62,22 @@ static int read_table(const struct cli_settings *settings, const struct cli_fit 
     }
     brdffit_cli_report_error(path, &error, NULL, errno);
     return brdffit_cli_status_exit(status);
+}
+
+/* As the fit did; places without values have no weights, and need none. */
+static int weigh(brdffit_table *table, const struct cli_fit *fit, const char *path, double **weights)
+{
+    brdffit_error error = {0};
+    if (table->samples->channels == 0 ||
+        (fit->weighting == BRDFFIT_WEIGHTING_COLUMN && table->samples->weights == NULL)) {
+        return 0;
+    }
+    const brdffit_status status = brdffit_cli_weigh(table, fit->weighting, weights, &error);
+    if (status != BRDFFIT_OK) {
+        brdffit_cli_report_error(path, &error, table, 0);
+        return brdffit_cli_status_exit(status);
+    }
+    return 0;
 }
 
 static void print_figures(const struct cli_comparison *c, const struct cli_figures *figures)
@@ -122,10 +139,14 @@ static int run_eval(const struct cli_settings *settings)
 {
     struct cli_fit fit;
     brdffit_table *table = NULL;
+    double *weights = NULL;
     const char *const file = settings->files[1];
     int code = brdffit_cli_fit_read(&fit, settings->files[0], file, settings->select);
     if (code == 0) {
         code = read_table(settings, &fit, file, &table);
+    }
+    if (code == 0) {
+        code = weigh(table, &fit, file, &weights);
     }
     if (code == 0) {
         const size_t channels = fit.model.channels, count = table->samples->count;
@@ -140,6 +161,7 @@ static int run_eval(const struct cli_settings *settings)
         free(fitted);
     }
     brdffit_io_free(table);
+    free(weights);
     brdffit_cli_fit_free(&fit);
     return code;
 }

@@ -9,6 +9,8 @@
 #include "interrupt.h"
 #include "job.h"
 #include "json_fit.h"
+#include "lobes_auto.h"
+#include "models.h"
 #include "output.h"
 #include "report.h"
 
@@ -35,6 +37,8 @@ void brdffit_cli_fit_help(void)
                                  "result is to the best that any such model could reach.\n"
                                  "\n");
     brdffit_cli_option_help(&text, CLI_FIT);
+    brdffit_cli_text_puts(&text, "\nPresets of --model:\n");
+    brdffit_cli_add_presets(&text);
     brdffit_cli_text_puts(&text, "\n"
                                  "Options may follow files; -- ends them. British and American spellings of\n"
                                  "normalise and centre are both understood.\n"
@@ -43,7 +47,7 @@ void brdffit_cli_fit_help(void)
                                  "memory ran out, or a proof contradicts its fit; 2 wrong usage; 3 a file's\n"
                                  "data cannot be used; 4 a search stopped before its gap closed. With several\n"
                                  "files the first of 1, 2, 3, 4 that occurred.\n");
-    fputs(brdffit_cli_text_string(&text), stdout);
+    brdffit_cli_say(brdffit_cli_text_string(&text));
     brdffit_cli_text_free(&text);
 }
 
@@ -81,6 +85,7 @@ static int publish(struct run *r, const struct cli_job *job)
             brdffit_cli_text_puts(&text, "\n");
         }
         brdffit_cli_report_fit(&text, r->style, job, &r->fitter);
+        brdffit_cli_report_lobes(&text, r->style, job, &r->fitter);
     }
     const int failed = brdffit_cli_output_write(&r->output, &text);
     brdffit_cli_text_free(&text);
@@ -99,7 +104,7 @@ static int fit_files(struct run *r)
             job.not_begun = 1;
         } else {
             brdffit_cli_progress_file(&r->progress, i, path);
-            brdffit_cli_job_run(&job, &r->fitter, path);
+            (r->settings->lobes_auto ? brdffit_cli_job_run_auto : brdffit_cli_job_run)(&job, &r->fitter, path);
         }
         job.position = brdffit_cli_shard_position(&r->shard, i);
         brdffit_cli_progress_erase(&r->progress);

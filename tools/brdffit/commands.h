@@ -9,6 +9,7 @@ int brdffit_cli_eval(int argc, char **argv);
 int brdffit_cli_info(int argc, char **argv);
 int brdffit_cli_map(int argc, char **argv);
 int brdffit_cli_merge(int argc, char **argv);
+int brdffit_cli_compare(int argc, char **argv);
 
 /* The help of a command on standard output. */
 void brdffit_cli_fit_help(void);
@@ -16,5 +17,6 @@ void brdffit_cli_eval_help(void);
 void brdffit_cli_info_help(void);
 void brdffit_cli_map_help(void);
 void brdffit_cli_merge_help(void);
+void brdffit_cli_compare_help(void);
 
 #endif

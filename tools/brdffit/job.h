@@ -28,6 +28,8 @@ struct cli_job {
     const char *path;
     size_t position;      /* of --shard: the file's place on the command line, from 1 */
     brdffit_table *table; /* NULL when reading failed */
+    brdffit_weighting weighting; /* of its samples */
+    double *weights;             /* the samples' own, where --weight made them */
     brdffit_status status;
     brdffit_error error;
     int system_error;   /* errno when reading failed; 0: unknown */
@@ -41,6 +43,15 @@ struct cli_job {
     double verify_seconds;
     int one_lobe_fitted;   /* --stats, two lobes: one_lobe_e2 is filled in */
     double one_lobe_e2;    /* of the best fit with one lobe */
+    int trial_count; /* --lobes auto: how many are filled in of what follows; 0 without */
+    struct cli_lobe_trial {
+        double e2, e2_most; /* as found; what it is at most, and no less than the floor of criteria.h */
+        double lower_bound; /* no less than that either */
+        double effective;   /* observations */
+        size_t channels;
+        double gain, gain_most; /* from the second on: by how much BIC falls, and can fall whatever the roughness */
+    } trials[BRDFFIT_MAX_LOBES]; /* with 1, 2 and 3 lobes */
+    double *f0_low, *f0_high; /* K x P each, owned: how well the samples tell F0; NULL: not known */
 };
 
 /* Load the directions that the settings name. 0, or the exit code of a
@@ -51,6 +62,11 @@ void brdffit_cli_fitter_free(struct cli_fitter *fitter);
 /* Read and fit. Release the job before the next one runs. */
 void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const char *path);
 void brdffit_cli_job_free(struct cli_job *job);
+
+/* The parts of that: read, sums where they will do for the fitter's options; fit what was read; --verify and --stats. */
+void brdffit_cli_job_open(struct cli_job *job, struct cli_fitter *fitter, const char *path);
+void brdffit_cli_job_fit(struct cli_job *job, struct cli_fitter *fitter);
+void brdffit_cli_job_check(struct cli_job *job, struct cli_fitter *fitter);
 
 /* Read only: table or error. */
 void brdffit_cli_job_read(struct cli_job *job, struct cli_fitter *fitter, const char *path);

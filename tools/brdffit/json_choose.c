@@ -94,6 +94,11 @@ static int collect(struct choice *c, const struct cli_text *text, const char *pa
         const char *stop = at;
         cJSON *object = cJSON_ParseWithLengthOpts(at, (size_t)(end - at) + 1, &stop, 0);
         const char *schema = string_member(object, "schema");
+        if (schema != NULL && strcmp(schema, "brdffit.comparison/1") == 0) { /* what compare says of the lines before */
+            cJSON_Delete(object);
+            at = stop;
+            continue;
+        }
         if (schema == NULL || strcmp(schema, "brdffit.fit/1") != 0) {
             const char *const where = object == NULL ? stop : at;
             cJSON_Delete(object);

@@ -7,7 +7,9 @@
 
 #include "failure.h"
 #include "lobes.h"
+#include "lobes_auto.h"
 #include "shard.h"
+#include "terms.h"
 #include "words.h"
 
 static void place(struct cli_json *json, const char *key, size_t value, size_t add)
@@ -125,8 +127,9 @@ static void exponents(struct cli_json *json, const brdffit_result *result)
     brdffit_cli_json_close(json, ']');
 }
 
-static void parameters(struct cli_json *json, const brdffit_result *result)
+static void parameters(struct cli_json *json, const struct cli_job *job)
 {
+    const brdffit_result *const result = job->result;
     const brdffit_model *const model = result->model;
     const size_t lobes = (size_t)model->lobes;
     brdffit_cli_json_numbers(json, "sigma", model->sigma, lobes);
@@ -137,6 +140,7 @@ static void parameters(struct cli_json *json, const brdffit_result *result)
         brdffit_cli_json_numbers(json, NULL, model->y + k * lobes, lobes);
     }
     brdffit_cli_json_close(json, ']');
+    brdffit_cli_json_terms(json, job);
     brdffit_cli_json_numbers(json, "channel_scale", result->channel_scale, model->channels);
     brdffit_cli_json_number(json, "e2", result->e2);
     brdffit_cli_json_number(json, "objective", result->e2);
@@ -232,6 +236,7 @@ void brdffit_cli_json_lobes(struct cli_json *json, const brdffit_options *o)
         brdffit_cli_json_string(json, NULL, brdffit_distribution_string(brdffit_cli_lobe(o, p)));
     }
     brdffit_cli_json_close(json, ']');
+    brdffit_cli_json_term_names(json, o);
 }
 
 void brdffit_cli_json_options(struct cli_json *json, const brdffit_options *o)
@@ -297,7 +302,7 @@ static void verification(struct cli_json *json, const struct cli_job *job)
 static void result_members(struct cli_json *json, const struct cli_job *job, const struct cli_fitter *fitter)
 {
     const brdffit_result *const result = job->result;
-    parameters(json, result);
+    parameters(json, job);
     brdffit_cli_json_count(json, "samples_used", result->samples_used);
     brdffit_cli_json_skipped(json, result->samples_skipped, job->table);
     brdffit_cli_json_count(json, "boxes", result->boxes);
@@ -314,45 +319,52 @@ static void result_members(struct cli_json *json, const struct cli_job *job, con
         proven_ranges(json, result, &fitter->options, 1);
     }
     brdffit_cli_json_source(json, job, fitter->settings);
+    brdffit_cli_json_string(json, "weighting", brdffit_weighting_string(job->weighting));
     if (job->table->format == BRDFFIT_IO_FORMAT_MERL && fitter->io.directions != NULL) {
         directions(json, fitter->io.directions);
     }
+}
+
+void brdffit_cli_json_fit_members(struct cli_json *json, const struct cli_job *job, const struct cli_fitter *fitter)
+{
+    const int fitted = job->status == BRDFFIT_OK && !job->not_begun;
+    brdffit_cli_json_string(json, "schema", "brdffit.fit/1");
+    brdffit_cli_json_path(json, job->path);
+    brdffit_cli_json_string(json, "status",
+                            !fitted                                           ? "error"
+                            : job->result->stop == BRDFFIT_STOP_CONTRADICTION ? "contradiction"
+                            : job->result->certified                          ? "certified"
+                                                                              : "gap_open");
+    if (!fitted) {
+        brdffit_cli_json_error(json, job);
+    }
+    brdffit_cli_json_lobes(json, &fitter->options);
+    brdffit_cli_json_string(json, "norm", brdffit_norm_string(fitter->options.norm));
+    if (fitter->options.norm == BRDFFIT_NORM_L2) {
+        brdffit_cli_json_string(json, "engine", brdffit_engine_string(fitter->options.engine));
+    } else {
+        brdffit_cli_json_null(json, "engine");
+    }
+    brdffit_cli_json_count(json, "lobes", (size_t)fitter->options.lobes);
+    if (fitted) {
+        result_members(json, job, fitter);
+    }
+    if (!job->not_begun) {
+        brdffit_cli_json_open(json, "seconds", '{');
+        brdffit_cli_json_number(json, "read", job->read_seconds);
+        brdffit_cli_json_number(json, "reduce", job->reduce_seconds);
+        brdffit_cli_json_number(json, "search", job->search_seconds);
+        brdffit_cli_json_close(json, '}');
+    }
+    brdffit_cli_json_trials(json, job, fitter);
 }
 
 void brdffit_cli_json_fit(struct cli_text *text, const struct cli_job *job, const struct cli_fitter *fitter)
 {
     struct cli_json json = {text, 0};
     const size_t start = text->size;
-    const int fitted = job->status == BRDFFIT_OK && !job->not_begun;
     brdffit_cli_json_open(&json, NULL, '{');
-    brdffit_cli_json_string(&json, "schema", "brdffit.fit/1");
-    brdffit_cli_json_path(&json, job->path);
-    brdffit_cli_json_string(&json, "status",
-                            !fitted                                           ? "error"
-                            : job->result->stop == BRDFFIT_STOP_CONTRADICTION ? "contradiction"
-                            : job->result->certified                          ? "certified"
-                                                                              : "gap_open");
-    if (!fitted) {
-        brdffit_cli_json_error(&json, job);
-    }
-    brdffit_cli_json_lobes(&json, &fitter->options);
-    brdffit_cli_json_string(&json, "norm", brdffit_norm_string(fitter->options.norm));
-    if (fitter->options.norm == BRDFFIT_NORM_L2) {
-        brdffit_cli_json_string(&json, "engine", brdffit_engine_string(fitter->options.engine));
-    } else {
-        brdffit_cli_json_null(&json, "engine");
-    }
-    brdffit_cli_json_count(&json, "lobes", (size_t)fitter->options.lobes);
-    if (fitted) {
-        result_members(&json, job, fitter);
-    }
-    if (!job->not_begun) {
-        brdffit_cli_json_open(&json, "seconds", '{');
-        brdffit_cli_json_number(&json, "read", job->read_seconds);
-        brdffit_cli_json_number(&json, "reduce", job->reduce_seconds);
-        brdffit_cli_json_number(&json, "search", job->search_seconds);
-        brdffit_cli_json_close(&json, '}');
-    }
+    brdffit_cli_json_fit_members(&json, job, fitter);
     if (fitter->shard != NULL) {
         brdffit_cli_shard_stamp(text, start, fitter->shard, job->position);
     }

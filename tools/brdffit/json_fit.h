@@ -9,6 +9,9 @@
 /* One line, newline included. */
 void brdffit_cli_json_fit(struct cli_text *text, const struct cli_job *job, const struct cli_fitter *fitter);
 
+/* Its members, without what --shard adds. */
+void brdffit_cli_json_fit_members(struct cli_json *json, const struct cli_job *job, const struct cli_fitter *fitter);
+
 /* What its lobes are: "distribution", null when they are of several, and
  * "distributions" of each: also of maps. */
 void brdffit_cli_json_lobes(struct cli_json *json, const brdffit_options *o);

@@ -19,6 +19,7 @@ struct cli_fit {
     double max_incidence;
     char **names;       /* K names of channels, or NULL when the line has none */
     int quantity;       /* CLI_UNSET, or a brdffit_quantity */
+    int weighting;      /* CLI_UNSET, or a brdffit_weighting */
     int merl_bins;
     int merl_sampling;
     brdffit_samples directions; /* for BRDFFIT_IO_MERL_DIRECTIONS */

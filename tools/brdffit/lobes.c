@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "suggest.h"
+#include "terms.h"
 
 /* The last of these ends the list. */
 static struct cli_choice choices[BRDFFIT_DISTRIBUTION_COUNT + 1];
@@ -86,10 +87,11 @@ void brdffit_cli_add_family(struct cli_text *text, const brdffit_options *option
     if (brdffit_cli_lobes_differ(options)) {
         brdffit_cli_text_puts(text, "fit of ");
         add_kinds(text, options);
-        return;
+    } else {
+        brdffit_cli_text_printf(text, "%s fit with %d %s", brdffit_distribution_title(brdffit_cli_lobe(options, 0)),
+                                options->lobes, options->lobes == 1 ? "lobe" : "lobes");
     }
-    brdffit_cli_text_printf(text, "%s fit with %d %s", brdffit_distribution_title(brdffit_cli_lobe(options, 0)),
-                            options->lobes, options->lobes == 1 ? "lobe" : "lobes");
+    brdffit_cli_add_terms(text, options);
 }
 
 void brdffit_cli_add_names(struct cli_text *text, const brdffit_options *options)
@@ -144,8 +146,9 @@ static void refuse(const char *command_name, const char *given, const char *bad)
     if (command_name == NULL) {
         return;
     }
-    fprintf(stderr, "brdffit %s: --lobes does not take '%s'; valid values: 1 to %d, or up to %d names with commas:",
-            command_name, given, BRDFFIT_MAX_LOBES, BRDFFIT_MAX_LOBES);
+    fprintf(stderr, "brdffit %s: --lobes does not take '%s'; valid values: 1 to %d, %sor up to %d names with commas:",
+            command_name, given, BRDFFIT_MAX_LOBES, strcmp(command_name, "fit") == 0 ? "auto, " : "",
+            BRDFFIT_MAX_LOBES);
     for (const struct cli_choice *c = brdffit_cli_distribution_choices(); c->name != NULL; c++) {
         fprintf(stderr, "%s %s", c == choices ? "" : ",", c->name);
         brdffit_cli_suggest(&near, bad, c->name);
@@ -156,6 +159,28 @@ static void refuse(const char *command_name, const char *given, const char *bad)
     fputc('\n', stderr);
 }
 
+/* So many of one distribution; all that there can be are filled in, as --lobes auto tries them. */
+static void take_count(struct cli_settings *s, int lobes)
+{
+    const int distribution = s->distribution != CLI_UNSET ? s->distribution : s->model_distribution;
+    s->lobes = lobes;
+    for (int p = 0; p < BRDFFIT_MAX_LOBES; p++) {
+        s->distributions[p] = (brdffit_distribution)distribution;
+    }
+}
+
+/* 0, or the reason is on stderr. */
+static int take_auto(struct cli_settings *s, const char *command_name)
+{
+    s->lobes_auto = 1;
+    take_count(s, 1);
+    if (s->norm != BRDFFIT_NORM_L2) {
+        fprintf(stderr, "brdffit %s: --lobes auto is for --norm l2\n", command_name);
+        return -1;
+    }
+    return 0;
+}
+
 int brdffit_cli_settle_lobes(struct cli_settings *s, const char *command_name)
 {
     const char *const given = s->lobes_given;
@@ -163,12 +188,11 @@ int brdffit_cli_settle_lobes(struct cli_settings *s, const char *command_name)
     brdffit_options defaults;
     brdffit_options_init(&defaults);
     if (given == NULL || (given[0] >= '1' && given[0] <= '0' + BRDFFIT_MAX_LOBES && given[1] == '\0')) {
-        s->lobes = given == NULL ? defaults.lobes : given[0] - '0';
-        for (int p = 0; p < s->lobes; p++) {
-            s->distributions[p] = s->distribution != CLI_UNSET ? (brdffit_distribution)s->distribution
-                                                               : defaults.distribution;
-        }
+        take_count(s, given == NULL ? defaults.lobes : given[0] - '0');
         return 0;
+    }
+    if (strcmp(given, "auto") == 0 && command_name != NULL && strcmp(command_name, "fit") == 0) {
+        return take_auto(s, command_name);
     }
     s->lobes = brdffit_cli_read_names(given, s->distributions, bad);
     if (s->lobes < 1) {

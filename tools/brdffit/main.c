@@ -25,6 +25,7 @@ struct command {
 
 static const struct command commands[] = {
     {"fit", brdffit_cli_fit, brdffit_cli_fit_help, "fit a model to measured files, with proof"},
+    {"compare", brdffit_cli_compare, brdffit_cli_compare_help, "fit many forms of model: which do the data support"},
     {"eval", brdffit_cli_eval, brdffit_cli_eval_help, "evaluate a fit at a file's directions"},
     {"map", brdffit_cli_map, brdffit_cli_map_help, "fit every texel of a stack of images"},
     {"merge", brdffit_cli_merge, brdffit_cli_merge_help, "put together what fit and map --shard did"},
@@ -48,9 +49,9 @@ static void usage(FILE *out)
 {
     fputs("Usage: brdffit COMMAND ...\n\n", out);
     for (size_t i = 0; i < COMMAND_COUNT; i++) {
-        fprintf(out, "  %-6s %s\n", commands[i].name, commands[i].summary);
+        fprintf(out, "  %-7s %s\n", commands[i].name, commands[i].summary);
     }
-    fputs("  report pages that show fits, their proofs and residuals (of the Python package)\n", out);
+    fputs("  report  pages that show fits, their proofs and residuals (of the Python package)\n", out);
     fputs("\n'brdffit COMMAND --help' explains a command; 'brdffit --version' tells the\n"
           "version. Any other NAME runs the program brdffit-NAME from your PATH.\n",
           out);
@@ -161,6 +162,9 @@ static int dispatch(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
+    /* A help is written whole when standard output is closed, so that its failure is told there. */
+    static char buffer[16384];
+    (void)setvbuf(stdout, buffer, _IOFBF, sizeof buffer);
     guard_descriptors();
     brdffit_cli_catch_signals();
     /* Characters only: numbers keep the "C" locale's decimal point. */

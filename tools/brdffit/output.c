@@ -177,6 +177,13 @@ void brdffit_cli_output_abandon(struct cli_output *output)
     memset(output, 0, sizeof *output);
 }
 
+void brdffit_cli_say(const char *text)
+{
+    if (fputs(text, stdout) == EOF || fflush(stdout) != 0) {
+        (void)complain("standard output", "cannot write", errno);
+    }
+}
+
 int brdffit_cli_close_stdout(void)
 {
     int failed = ferror(stdout) != 0;

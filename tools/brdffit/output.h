@@ -33,6 +33,9 @@ int brdffit_cli_output_commit(struct cli_output *output);
 /* Give up: the target stays as it was. */
 void brdffit_cli_output_abandon(struct cli_output *output);
 
+/* A text to standard output, of more than a buffer holds; a failure is said, and left to brdffit_cli_close_stdout(). */
+void brdffit_cli_say(const char *text);
+
 /* Flush and close standard output; 0 when all of it arrived. */
 int brdffit_cli_close_stdout(void);
 

@@ -7,9 +7,12 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "criteria.h"
 #include "lobes.h"
+#include "models.h"
 #include "settings.h"
 #include "suggest.h"
+#include "terms.h"
 
 struct parser {
     unsigned command;
@@ -86,7 +89,9 @@ static const struct cli_option *find_short(const struct parser *p, char letter)
 
 static const struct cli_choice *choices_of(const struct cli_option *o)
 {
-    return o->kind == CLI_DISTRIBUTION ? brdffit_cli_distribution_choices() : o->choices;
+    return o->kind == CLI_DISTRIBUTION                        ? brdffit_cli_distribution_choices()
+           : o->kind >= CLI_FRESNEL && o->kind <= CLI_MASKING ? brdffit_cli_term_choices(o->kind)
+                                                              : o->choices;
 }
 
 static enum cli_parse bad_choice(const struct parser *p, const struct cli_option *o, const char *text)
@@ -144,6 +149,9 @@ static enum cli_parse set_value(const struct parser *p, const struct cli_option 
     case CLI_STRING: *(const char **)(void *)member = text; return CLI_PARSED;
     case CLI_CHOICE:
     case CLI_DISTRIBUTION:
+    case CLI_FRESNEL:
+    case CLI_DIFFUSE:
+    case CLI_MASKING:
         for (const struct cli_choice *c = choices_of(o); c->name != NULL; c++) {
             if (strcmp(c->name, text) == 0) {
                 *(int *)(void *)member = c->value;
@@ -215,6 +223,7 @@ static void set_defaults(struct cli_settings *settings)
     brdffit_options_init(&fit);
     memset(settings, 0, sizeof *settings);
     settings->distribution = CLI_UNSET;
+    settings->model_distribution = (int)fit.distribution;
     settings->norm = (int)fit.norm;
     settings->engine = (int)fit.engine;
     settings->verify_margin = 1e-3;
@@ -226,12 +235,18 @@ static void set_defaults(struct cli_settings *settings)
     settings->gap = fit.relative_gap;
     settings->absolute_gap = fit.absolute_gap;
     settings->resolution = fit.sigma_resolution;
-    settings->max_incidence = fit.max_incidence;
+    settings->fresnel = (int)fit.fresnel;
+    settings->diffuse = (int)fit.diffuse;
+    settings->masking = (int)fit.masking;
+    settings->max_incidence = CLI_UNSET;
     settings->box_budget = fit.box_budget;
     settings->values = CLI_UNSET;
+    settings->weight = CLI_UNSET;
     settings->format = BRDFFIT_IO_FORMAT_AUTO;
     settings->merl_bins = BRDFFIT_IO_MERL_EDGE;
     settings->merl_samples = "table";
+    settings->criterion = CLI_BIC;
+    settings->threshold = CLI_TELLING;
 }
 
 /* Measurements are not to be lost to a slip of the keyboard. */
@@ -265,7 +280,7 @@ static enum cli_parse check_range(const struct parser *p, const char *name, doub
     for (int k = 0; k < s->lobes; k++) {
         found |= strcmp(name, brdffit_parameter_string(s->distributions[k])) == 0;
     }
-    if (found || (low == default_low && high == default_high)) {
+    if (found || p->command == CLI_COMPARE || (low == default_low && high == default_high)) {
         return CLI_PARSED;
     }
     const char *parameter = brdffit_parameter_string(s->distributions[0]);
@@ -393,6 +408,40 @@ static enum cli_parse check_together(const struct parser *p)
     return verify == CLI_PARSED ? check_output(p) : verify;
 }
 
+/* Options and files, over what the settings hold. */
+static enum cli_parse parse_arguments(const struct parser *p, int argc, char **argv)
+{
+    struct cli_settings *const settings = p->settings;
+    int options_ended = 0;
+    settings->file_count = 0;
+    for (int at = 1; at < argc; at++) {
+        if (options_ended || argv[at][0] != '-' || argv[at][1] == '\0') {
+            settings->files[settings->file_count++] = argv[at];
+        } else if (strcmp(argv[at], "--") == 0) {
+            options_ended = 1;
+        } else {
+            const enum cli_parse answer = parse_option(p, argc, argv, &at);
+            if (answer != CLI_PARSED) {
+                return answer;
+            }
+        }
+    }
+    return CLI_PARSED;
+}
+
+/* --model stands for options, and those that are given with it come after it wherever it stands: once more, over them. */
+static enum cli_parse parse_over_model(const struct parser *p, int argc, char **argv)
+{
+    const char **const files = p->settings->files;
+    const char *const model = p->settings->model;
+    set_defaults(p->settings);
+    p->settings->files = files;
+    if (brdffit_cli_take_model(p->settings, p->command_name, model) != 0) {
+        return usage(p);
+    }
+    return parse_arguments(p, argc, argv);
+}
+
 enum cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int argc, char **argv,
                                  struct cli_settings *settings)
 {
@@ -403,18 +452,10 @@ enum cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int
         fprintf(stderr, "brdffit: out of memory\n");
         return CLI_PARSE_FAILED;
     }
-    int options_ended = 0;
-    for (int at = 1; at < argc; at++) {
-        if (options_ended || argv[at][0] != '-' || argv[at][1] == '\0') {
-            settings->files[settings->file_count++] = argv[at];
-        } else if (strcmp(argv[at], "--") == 0) {
-            options_ended = 1;
-        } else {
-            const enum cli_parse answer = parse_option(&p, argc, argv, &at);
-            if (answer != CLI_PARSED) {
-                return answer;
-            }
-        }
+    enum cli_parse answer = parse_arguments(&p, argc, argv);
+    if (answer == CLI_PARSED && settings->model != NULL) {
+        answer = parse_over_model(&p, argc, argv);
     }
-    return check_together(&p);
+    brdffit_cli_settle_incidence(settings);
+    return answer == CLI_PARSED ? check_together(&p) : answer;
 }

@@ -5,8 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "criteria.h"
 #include "lobes.h"
 #include "term.h"
+#include "weigh.h"
 
 const struct cli_choice brdffit_cli_norm_choices[] = {
     {"l2", BRDFFIT_NORM_L2, 0}, {"l1", BRDFFIT_NORM_L1, 0}, {"linf", BRDFFIT_NORM_LINF, 0}, {NULL, 0, 0}};
@@ -27,24 +29,51 @@ const struct cli_choice brdffit_cli_format_choices[] = {{"auto", BRDFFIT_IO_FORM
                                                         {"merl", BRDFFIT_IO_FORMAT_MERL, 0},
                                                         {NULL, 0, 0}};
 
+static const struct cli_choice criteria[] = {
+    {"bic", CLI_BIC, 0}, {"aic", CLI_AIC, 0}, {"aicc", CLI_AICC, 0}, {NULL, 0, 0}};
+
+static const struct cli_choice observations[] = {{"effective", 0, 0}, {"all", 1, 0}, {NULL, 0, 0}};
+
 static const struct cli_choice map_formats[] = {{"npy", CLI_MAP_NPY, 0}, {"pfm", CLI_MAP_PFM, 0}, {NULL, 0, 0}};
 
 #define AT(member) offsetof(struct cli_settings, member)
-#define WORKERS (CLI_FIT | CLI_EVAL | CLI_INFO | CLI_MAP)
+#define WORKERS (CLI_FIT | CLI_EVAL | CLI_INFO | CLI_MAP | CLI_COMPARE)
 #define ALL (WORKERS | CLI_MERGE)
-#define READERS (CLI_FIT | CLI_EVAL | CLI_INFO)
+#define READERS (CLI_FIT | CLI_EVAL | CLI_INFO | CLI_COMPARE)
 #define FITS (CLI_FIT | CLI_MAP)
+#define SEARCHES (FITS | CLI_COMPARE)
 #define CHOICE(name, commands, hidden, member, choices, value, help)                                                   \
     {name, 0, CLI_CHOICE, commands, hidden, AT(member), 0, 0, 0, choices, value, help}
 #define NUMBER(name, kind, member, low, open, high, value, help)                                                       \
-    {name, 0, kind, FITS, 0, AT(member), low, high, open, NULL, value, help}
+    {name, 0, kind, SEARCHES, 0, AT(member), low, high, open, NULL, value, help}
 #define PLAIN(name, letter, kind, commands, member, value, help)                                                       \
     {name, letter, kind, commands, 0, AT(member), 0, 0, 0, NULL, value, help}
 
 const struct cli_option brdffit_cli_options[] = {
-    PLAIN("lobes", 0, CLI_STRING, FITS, lobes_given, "1|2|3|NAME,...",
+    PLAIN("lobes", 0, CLI_STRING, CLI_FIT, lobes_given, "1|2|3|auto|NAME,...",
+          "specular lobes (default 1): how many of\n--distribution (auto: the fewest that the data\n"
+          "support, by BIC), or what each is: ggx,ward"),
+    PLAIN("lobes", 0, CLI_STRING, CLI_MAP, lobes_given, "1|2|3|NAME,...",
           "specular lobes (default 1): how many of\n--distribution, or what each is: ggx,ward"),
+    PLAIN(
+        "model", 0, CLI_STRING, CLI_FIT, model, "NAME",
+        "a preset (below), or a form as of 'brdffit\ncompare' (2beckmann); options beside it go\nbefore what it stands for"),
+    PLAIN("models", 0, CLI_STRING, CLI_COMPARE, models, "NAME,...", "forms of model to compare; see below"),
+    CHOICE("criterion", CLI_COMPARE, 0, criterion, criteria, "bic|aic|aicc",
+           "what weighs the fit against the number of its\nparameters (default bic)"),
+    {"threshold", 0, CLI_NUMBER, CLI_COMPARE, 0, AT(threshold), 0, 1e300, 1, NULL, "X",
+     "models less than this behind the best in that\ncriterion cannot be told from it (default 6)"},
+    CHOICE("observations", CLI_COMPARE, 0, count_all, observations, "effective|all",
+           "what the criterion counts: as many Gaussian\nresiduals as would be as uneven as the best\n"
+           "fit's, or every value (default effective)"),
     PLAIN("distribution", 0, CLI_DISTRIBUTION, FITS, distribution, "NAME", NULL),
+    PLAIN("fresnel", 0, CLI_FRESNEL, FITS, fresnel, "none|schlick",
+          "what a lobe does at grazing angles: nothing, or\nSchlick's Fresnel term with an F0 of each lobe\n"
+          "and channel (default none)"),
+    PLAIN("diffuse", 0, CLI_DIFFUSE, FITS, diffuse, "NAME",
+          "diffuse term: lambert, none, oren-nayar or\nburley (default lambert)"),
+    PLAIN("masking", 0, CLI_MASKING, FITS, masking, "NAME",
+          "masking of beckmann and ggx lobes: v-cavity,\nsmith, smith-separable or none\n(default v-cavity)"),
     CHOICE("norm", FITS, 0, norm, brdffit_cli_norm_choices, "l2|l1|linf",
            "minimise the sum of squared or of absolute\nresiduals, or the largest one (default l2)"),
     CHOICE("engine", FITS, 0, engine, engines, "moment|socp",
@@ -66,17 +95,23 @@ const struct cli_option brdffit_cli_options[] = {
     NUMBER("resolution", CLI_NUMBER, resolution, 0, 0, 1e300, "X",
            "do not split boxes narrower than this in\nevery sigma, or 1/sqrt(n) (default 0: off)"),
     NUMBER("box-budget", CLI_COUNT, box_budget, 1, 0, 9e15, "N", "most boxes to bound (default 1000000)"),
-    CHOICE("normalise", FITS, 0, normalise, brdffit_cli_normalise_choices, "max|none",
+    CHOICE("normalise", SEARCHES, 0, normalise, brdffit_cli_normalise_choices, "max|none",
            "divide each channel by its largest used\nradiance, or not (default max)"),
-    CHOICE("normalize", FITS, 1, normalise, brdffit_cli_normalise_choices, "", ""),
-    {"max-incidence", 0, CLI_DEGREES, FITS | CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL, "DEG|off",
+    CHOICE("normalize", SEARCHES, 1, normalise, brdffit_cli_normalise_choices, "", ""),
+    {"max-incidence", 0, CLI_DEGREES, FITS, 0, AT(max_incidence), 0, 90, 1, NULL, "DEG|off",
+     "skip samples lit from further off the normal\n(default 60; with --fresnel schlick off)"},
+    {"max-incidence", 0, CLI_DEGREES, CLI_COMPARE | CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL, "DEG|off",
      "skip samples lit from further off the normal\n(default 60)"},
     CHOICE("values", WORKERS, 0, values, brdffit_cli_quantity_choices, "brdf|radiance",
            "what the file's values are: f_r, or f_r times\n"
            "the light's cosine (default brdf; for files\nwith a,b,c radiance)"),
-    CHOICE("merl-bins", CLI_FIT | CLI_INFO, 0, merl_bins, brdffit_cli_bins_choices, "edge|centre",
+    CHOICE(
+        "weight", CLI_FIT | CLI_COMPARE, 0, weight, brdffit_cli_weight_choices,
+        "none|column|cosine|solid-angle|relative",
+        "what samples count for: alike, as the file says,\nby n.l, by the share of directions that each\nstands for, or by 1/value^2 (default column where\nthere is one, else none)"),
+    CHOICE("merl-bins", CLI_FIT | CLI_INFO | CLI_COMPARE, 0, merl_bins, brdffit_cli_bins_choices, "edge|centre",
            "angle that a MERL entry stands for\n(default edge)"),
-    PLAIN("merl-samples", 0, CLI_STRING, CLI_FIT | CLI_INFO, merl_samples, "table|84|FILE.csv",
+    PLAIN("merl-samples", 0, CLI_STRING, CLI_FIT | CLI_INFO | CLI_COMPARE, merl_samples, "table|84|FILE.csv",
           "use every cell of a MERL table, the paper's\n84 directions, or those of a file\n"
           "(default table)"),
     CHOICE("format", READERS, 0, format, brdffit_cli_format_choices, "auto|csv|merl",
@@ -84,6 +119,8 @@ const struct cli_option brdffit_cli_options[] = {
     PLAIN("select", 0, CLI_COUNT, CLI_EVAL, select, "N",
           "use line N of FIT.json, from 1 (default: the\nline whose \"file\" is FILE)"),
     PLAIN("json", 0, CLI_FLAG, CLI_FIT | CLI_INFO, json, NULL, "one JSON object a line and file"),
+    PLAIN("json", 0, CLI_FLAG, CLI_COMPARE, json, NULL,
+          "a JSON line of 'brdffit fit' for each model, then\none of the verdict"),
     PLAIN("shard", 0, CLI_STRING, CLI_FIT, shard, "I/N",
           "fit part I of N only: every Nth FILE, from the\nIth; needs --json. 'brdffit merge' joins the\n"
           "parts"),
@@ -131,6 +168,9 @@ void brdffit_cli_fit_options(const struct cli_settings *settings, brdffit_option
     options->lobes = settings->lobes;
     options->distributions = settings->distributions;
     options->distribution = settings->distributions[0];
+    options->fresnel = (brdffit_fresnel)settings->fresnel;
+    options->diffuse = (brdffit_diffuse)settings->diffuse;
+    options->masking = (brdffit_masking)settings->masking;
     options->norm = (brdffit_norm)settings->norm;
     options->engine = (brdffit_engine)settings->engine;
     options->socp_every_box = settings->socp_every_box;
@@ -173,6 +213,8 @@ void brdffit_cli_record_options(struct cli_text *text, const brdffit_options *o)
         brdffit_cli_text_printf(text, "%d\n--distribution %s", o->lobes,
                                 brdffit_distribution_string(brdffit_cli_lobe(o, 0)));
     }
+    brdffit_cli_text_printf(text, "\n--fresnel %s\n--diffuse %s\n--masking %s", brdffit_fresnel_string(o->fresnel),
+                            brdffit_diffuse_string(o->diffuse), brdffit_masking_string(o->masking));
     brdffit_cli_text_printf(text, "\n--norm %s\n--engine %s\n--socp-every-box %d\n", brdffit_norm_string(o->norm),
                             brdffit_engine_string(o->engine), o->socp_every_box);
     brdffit_cli_text_printf(text, "--normalise %s\n",

@@ -21,8 +21,10 @@ static void record(struct cli_text *text, const struct cli_settings *s, const br
 {
     brdffit_cli_text_printf(text, "brdffit fit 1, version %s\n", brdffit_version());
     brdffit_cli_record_options(text, options);
+    brdffit_cli_text_printf(text, "--weight %d\n", s->weight);
     brdffit_cli_text_printf(text, "--verify %s\n--values %d\n--format %d\n--merl-bins %d\n--merl-samples %s\n",
                             s->verify != NULL ? s->verify : "", s->values, s->format, s->merl_bins, s->merl_samples);
+    brdffit_cli_text_puts(text, s->lobes_auto ? "--lobes auto\n" : "");
     if (directions != NULL) {
         record_bytes(text, "light", directions->light, 3 * directions->count);
         record_bytes(text, "view", directions->view, 3 * directions->count);

@@ -15,9 +15,21 @@ processors() {
     getconf _NPROCESSORS_ONLN 2> /dev/null || echo 1
 }
 
+# Programs known to run long come first, so that none of them is left over at the end for one processor.
+longest_first() { # programs
+    for name in $(sed '/^#/d' tests/longest.txt); do
+        for program in "$@"; do
+            [ "${program##*/}" != "$name" ] || echo "$program"
+        done
+    done
+    for program in "$@"; do
+        grep -qx "${program##*/}" tests/longest.txt || echo "$program"
+    done
+}
+
 # Run programs, as many at a time as there are processors; NAME.out and NAME.code of each in the scratch folder.
 run_together() { # programs
-    printf '%s\n' "$@" | xargs -P "$(processors)" -I '{}' sh -c \
+    longest_first "$@" | xargs -P "$(processors)" -I '{}' sh -c \
         'name=$2/${1##*/}; "$1" > "$name.out" 2>&1; echo $? > "$name.code"' run '{}' "$scratch"
 }
 

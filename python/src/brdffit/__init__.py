@@ -15,6 +15,7 @@ from ._ffi import LibraryError
 from ._lobes import distributions
 from ._version import __version__
 from .boxes import Boxes, fit_boxes
+from .compare import Comparison, compare
 from .errors import BrdffitError, DataError, FileError, OptionError, OutOfMemoryError, UnsupportedError
 from .fit import Fit, fit
 from .many import fit_many
@@ -31,10 +32,10 @@ from .samples import Samples, protocol84
 if TYPE_CHECKING:
     from .regressor import BRDFRegressor
 
-__all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "DataError", "FileError", "Fit", "FitMap", "LibraryError",
+__all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "Comparison", "DataError", "FileError", "Fit", "FitMap", "LibraryError",
            "LightPositions", "MapProgress", "MerlTable", "Options", "OptionError", "OutOfMemoryError", "Progress", "RGLMaterial",
-           "Samples", "Stack", "UnsupportedError", "__version__", "distributions", "fit", "fit_boxes", "fit_many", "fit_map",
-           "library_path", "load_lp", "load_merl", "load_rgl", "load_stack", "protocol84"]
+           "Samples", "Stack", "UnsupportedError", "__version__", "compare", "distributions", "fit", "fit_boxes", "fit_many",
+           "fit_map", "library_path", "load_lp", "load_merl", "load_rgl", "load_stack", "protocol84"]
 if importlib.util.find_spec("sklearn") is None:
     __all__.remove("BRDFRegressor")  # which cannot be imported: `import *` would fail for everything
 

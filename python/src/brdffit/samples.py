@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _structs as structs
+from . import _weights
 from ._arguments import Path, choose
 from ._arrays import Floats, Frozen, address, column, floats, freeze, vectors
 from ._ffi import library
@@ -36,10 +37,11 @@ class Samples(Frozen):
         "directions": light, view (N x 3, any length but zero), normal (N x 3, or None for +z)
         "angles": cos_light, cos_view, tan2_half, cos_difference (N each)
         "coefficients": a, b, c of the model (N each)
-    weights: N, multiplies squared residuals; None: all 1
+    weights: N, multiplies squared residuals of radiance; None: all 1
+    weighting: what they are: "none", "column" (given, or a file's own), or made by `weighted`
     file: where it came from, or None
     lines: per sample, its line of the text file, or None
-    dropped: entries of the file that did not become samples, by reason
+    dropped: entries of the file that did not become samples of their own, by reason
 
     Arrays cannot be written to.
     """
@@ -66,6 +68,7 @@ class Samples(Frozen):
     lines: npt.NDArray[np.uintp] | None = None
     dropped: Mapping[str, int] = dataclasses.field(default_factory=dict)
     _merl_directions: Floats | None = None
+    weighting: str = ""
 
     def __post_init__(self) -> None:
         def put(name: str, value: object) -> None:
@@ -77,6 +80,9 @@ class Samples(Frozen):
         if values.ndim != 2:
             raise DataError("values must be N x K, not shape %s" % (values.shape,), code="argument")
         put("values", freeze(values))
+        if not self.weighting:
+            put("weighting", "none" if self.weights is None else "column")
+        choose("weighting", self.weighting, structs.WEIGHTING)
         choose("form", self.form, structs.FORM)
         choose("quantity", self.quantity, structs.QUANTITY)
         if len(self.channels) != values.shape[1]:
@@ -149,8 +155,9 @@ class Samples(Frozen):
     @classmethod
     def from_csv(cls, path: Path, *, quantity: str | None = None) -> Samples:
         """A CSV or TSV file (also .gz). One header line names the columns: theta_i, phi_i, theta_o, phi_o in degrees,
-        or lx, ly, lz, vx, vy, vz, or a, b, c; weight; every other column is a channel. `quantity` None: "brdf" for
-        directions, "radiance" for a, b, c."""
+        or lx, ly, lz, vx, vy, vz, or a, b, c; weight; uncertainty (standard deviation of the values, in their units, which
+        becomes a weight); every other column is a channel. `quantity` None: "brdf" for directions, "radiance" for a, b,
+        c."""
         return cls(**load(path, "csv", quantity=quantity))
 
     @classmethod
@@ -173,9 +180,9 @@ class Samples(Frozen):
     @classmethod
     def from_rgl(cls, path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "measured",
                  clip: bool = True) -> Samples:
-        """An isotropic .bsdf file of the RGL database. samples: "measured" (the instrument's own directions), "84" (the
-        paper's), or (light, view) to look up. clip: raise negative channels (colours outside of sRGB) to 0. `load_rgl` does
-        more."""
+        """An isotropic .bsdf file of the RGL database. samples: "measured" (the instrument's own directions, which crowd
+        where the material is bright: their weights are solid angles), "84" (the paper's), or (light, view) to look up. clip:
+        raise negative channels (colours outside of sRGB) to 0. `load_rgl` does more."""
         return cls(**load(path, "rgl", samples=samples, clip=clip))
 
     @classmethod
@@ -212,6 +219,27 @@ class Samples(Frozen):
 
         with importlib.resources.as_file(importlib.resources.files("brdffit") / "two_lobe_satin.csv") as path:
             return cls.from_csv(path)
+
+    # ---- What they count for
+
+    def weighted(self, weight: str, *, floor: float = _weights.FLOOR) -> Samples:
+        """The same samples with other weights. A sample of weight 0 keeps it.
+
+        weight: "none": all alike; "column": those that they have; "cosine": n.l; "solid-angle": the share of all pairs of
+            directions that each stands for, 1 on average, so that it does not matter where most samples lie; "relative":
+            1/max(m, floor)^2, m the root mean square over channels of radiance by the channel's largest: relative errors
+        floor: of "relative": samples darker than this share of the brightest count no more than it
+        """
+        if weight == "column" and self.weights is not None:
+            return self
+        weights = freeze(_weights.weigh(self._struct(), weight, floor, self.file))
+        alike = weight == "none" and bool((weights == 1).all())
+        return dataclasses.replace(self, weights=None if alike else weights, weighting=weight)
+
+    def crowded(self) -> bool:
+        """Whether directions crowd where the material is bright, as those of an instrument that follows the lobe do: without
+        weights a fit is to that part (brdffit_weights_crowded). False for other forms and for too few to tell."""
+        return self.form == "directions" and len(self) >= 16 and _weights.crowded(self._struct())
 
     # ---- To C
 

@@ -15,7 +15,7 @@
 
 static const char *const role_name[CSV_ROLE_COUNT] = {
     "theta_i", "phi_i", "theta_o", "phi_o", "lx", "ly", "lz", "vx",     "vy",
-    "vz",      "nx",    "ny",      "nz",    "a",  "b",  "c",  "weight",
+    "vz",      "nx",    "ny",      "nz",    "a",  "b",  "c",  "weight", "uncertainty",
 };
 
 struct name {
@@ -58,6 +58,9 @@ static enum csv_role role_of(struct io_field field)
 
     if (field_is(&field, "w")) {
         return CSV_WEIGHT;
+    }
+    if (field_is(&field, "stddev") || field_is(&field, "std")) {
+        return CSV_UNCERTAINTY;
     }
     for (role = 0; role < CSV_ROLE_COUNT; role++) {
         if (field_is(&field, role_name[role])) {

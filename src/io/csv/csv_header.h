@@ -25,6 +25,7 @@ enum csv_role {
     CSV_B,
     CSV_C,
     CSV_WEIGHT,
+    CSV_UNCERTAINTY, /* standard deviation of the values: of weight 1 / u^2, see csv_weight.h */
     CSV_ROLE_COUNT,
     CSV_CHANNEL = CSV_ROLE_COUNT
 };

@@ -6,6 +6,7 @@
 #include "io/csv/csv_row.h"
 
 #include "io/csv/angle.h"
+#include "io/csv/csv_weight.h"
 #include "io/fail.h"
 #include "io/csv/number.h"
 
@@ -156,20 +157,46 @@ static brdffit_status store_coefficients(struct row *row)
     return BRDFFIT_OK;
 }
 
-static brdffit_status store(struct row *row)
+/* After the directions: the weight of an uncertainty of f_r depends on them. */
+static brdffit_status store_weight(struct row *row)
 {
+    double weight = 1.0;
+
     if (brdffit_io_csv_has(row->layout, CSV_WEIGHT)) {
-        if (!(row->value[CSV_WEIGHT] >= 0.0)) {
+        weight = row->value[CSV_WEIGHT];
+        if (!(weight >= 0.0)) {
             return fail_role(row, CSV_WEIGHT, "the weight is negative");
         }
-        row->table->array[IO_WEIGHTS][row->sample] = row->value[CSV_WEIGHT];
     }
+    if (brdffit_io_csv_has(row->layout, CSV_UNCERTAINTY)) {
+        if (!(row->value[CSV_UNCERTAINTY] > 0.0)) {
+            return fail_role(row, CSV_UNCERTAINTY, "the uncertainty is not above 0");
+        }
+        if (!brdffit_io_csv_weight(row->table, row->sample, row->value[CSV_UNCERTAINTY], &weight)) {
+            return fail_role(row, CSV_UNCERTAINTY, "the uncertainty is too small or too large for a weight");
+        }
+    }
+    if (row->table->width[IO_WEIGHTS]) {
+        row->table->array[IO_WEIGHTS][row->sample] = weight;
+    }
+    return BRDFFIT_OK;
+}
+
+static brdffit_status store_geometry(struct row *row)
+{
     switch (row->layout->kind) {
     case CSV_ANGLES: return store_angles(row);
     case CSV_VECTORS: return store_vectors(row);
     case CSV_COEFFICIENTS: break;
     }
     return store_coefficients(row);
+}
+
+static brdffit_status store(struct row *row)
+{
+    brdffit_status status = store_geometry(row);
+
+    return status == BRDFFIT_OK ? store_weight(row) : status;
 }
 
 brdffit_status brdffit_io_csv_row(const struct io_field *line, size_t line_number, const struct csv_layout *layout,

@@ -22,6 +22,7 @@ import numpy.typing as npt
 
 from .._arguments import Path, choose
 from .._arrays import Floats, freeze, vectors
+from .._weights import solid_angles
 from ..errors import DataError, OptionError, UnsupportedError
 from ._tensor import TensorFile
 from ._warp import Mix, Warp, bilinear, cell, mix
@@ -171,8 +172,13 @@ class Measurement:
         seen = ~np.isnan(values).any(1)
         if not seen.any():
             raise DataError("none of these directions was measured", code="no_samples", path=self.file)
-        return {"values": values[seen], "channels": names, "light": light[seen], "view": view[seen], "file": self.file,
-                "format": "rgl", "dropped": {"masked": int((~seen).sum())}}
+        members: dict[str, Any] = {"channels": names, "file": self.file, "format": "rgl", "dropped": {"masked": int((~seen).sum())}}
+        light, view, values = light[seen], view[seen], values[seen]
+        if isinstance(samples, str) and samples == "measured":
+            light, view, values = _merged(light, view, values)
+            members["dropped"]["repeated"] = int(seen.sum()) - len(values)
+            members.update(weights=solid_angles(light, view), weighting="solid-angle")
+        return {"values": values, "light": light, "view": view, **members}
 
     def _measurements(self, channels: Channels) -> tuple[Floats, Floats, Floats]:
         """Light, view and f_r of each grid point, NaN where it is blind; azimuth 0."""
@@ -192,6 +198,23 @@ class Measurement:
             values *= (self._factor(u, v, theta, zero) / view[:, 2])[:, None]
         values[(self._blind.ravel() > 0) | ~(view[:, 2] > 0) | ~(light[:, 2] > 0)] = np.nan
         return light, view, values
+
+
+_SAME = 1e-5  # single precision moves directions that repeat by up to 1e-6; others are further apart
+
+
+def _merged(light: Floats, view: Floats, values: Floats) -> tuple[Floats, Floats, Floats]:
+    """One sample of each pair of directions, the mean of those that repeat it: the mirror direction, where half vectors of
+    every azimuth are the normal, and the seam of the azimuths."""
+    first = np.arange(len(values))  # of each sample, the one that it repeats
+    for offset in (0.0, 0.31, 0.64):  # what one grid tells apart at the border of its cells another does not
+        keys = np.round(np.hstack([light, view])[first] / _SAME + offset).astype(np.int64)
+        _, place, group = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+        first = first[place[group.ravel()]]
+    kept, group = np.unique(first, return_inverse=True)
+    count = np.bincount(group)[:, None]
+    means = np.stack([np.bincount(group, column) for column in values.T], 1) / count
+    return light[kept], view[kept], means
 
 
 def read(path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "measured", clip: bool = True) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from ctypes import POINTER, byref, pointer
 from typing import Any
 
@@ -36,7 +37,7 @@ def read(path: Path, kind: str | None = None, *, quantity: str | None = None, di
     """
     options = library().io_options()
     if kind is not None:
-        options.format = structs.FORMAT.index(kind)
+        options.format = choose("format", kind, structs.FORMAT)
     options.directions_only = int(directions_only)
     if bins is not None:
         options.merl_bins = choose("bins", bins, structs.MERL_BINS)
@@ -56,15 +57,21 @@ def read(path: Path, kind: str | None = None, *, quantity: str | None = None, di
     return _members(table.contents, _Table(table), name)
 
 
+def _word(words: Sequence[str], at: int) -> str:
+    """A library that is newer than this package may have more of them."""
+    return words[at] if 0 <= at < len(words) else "unknown"
+
+
 def _members(table: structs.Table, owner: _Table, name: str) -> dict[str, Any]:
     data = table.samples.contents
     count, channels = data.count, data.channels
-    merl = structs.FORMAT[table.format] == "merl"
+    kind = _word(structs.FORMAT, table.format)
+    merl = kind == "merl"
     return {
         "values": from_address(data.values, (count, channels), owner) if channels else np.zeros((count, 0)),
         "channels": tuple(table.channel_names[k].decode("utf-8", "replace") for k in range(channels)),
         "form": structs.FORM[data.form], "quantity": structs.QUANTITY[data.quantity], "file": name,
-        "format": structs.FORMAT[table.format],
+        "format": kind,
         "lines": np.ctypeslib.as_array(table.lines, (count,)).astype(np.uintp) if table.lines else None,
         "merl_bins": structs.MERL_BINS[table.merl_bins] if merl else None,
         "merl_samples": structs.MERL_SAMPLING[table.merl_sampling] if merl else None,

@@ -48,9 +48,10 @@ class RGLMaterial(Measurement):
 
     def samples(self, at: str | tuple[npt.ArrayLike, npt.ArrayLike] = "measured", *, clip: bool = True,
                 channels: Channels = None) -> Samples:
-        """Samples to fit. at: "measured" (the instrument's own directions, nothing interpolated; they crowd where the
-        material reflects most, and the plane of the seam in them twice), "84" (the paper's directions), or (light, view). What
-        was not measured is left out and counted in `dropped`."""
+        """Samples to fit. at: "measured" (the instrument's own directions, nothing interpolated, each once; they crowd where
+        the material reflects most, so their weights are the solid angles that they stand for: `Samples.weighted` changes
+        that), "84" (the paper's directions), or (light, view). What was not measured is left out and counted in `dropped`,
+        as are repetitions."""
         return Samples(**self._members(at, clip=clip, channels=channels))
 
     def to_merl(self, path: Path | None = None, *, bins: str = "edge", channels: Channels = None,

@@ -16,10 +16,12 @@ from urllib.parse import quote, unquote
 
 import numpy as np
 
-from .. import _lobes
+from .. import _lobes, _terms
 from .. import _structs as structs
+from .._ffi import library
 from .._version import __version__
 from .._words import readable
+from ..compare import MODELS
 from ..errors import BrdffitError, FileError, OptionError
 from ..options import Options
 from ..progress import Bar
@@ -33,9 +35,10 @@ __all__ = ["Material", "main", "measure", "page"]
 CERTIFIED, FAILURE, USAGE, DATA, OPEN = 0, 1, 2, 3, 4
 
 
-def page(samples: Samples, name: str, *, lobes: int | Sequence[str] = 2, index: str | None = None, **options: Any) -> str:
-    """One material's page as HTML that needs no other file."""
-    return material_page(measure(name, samples, options, lobes), index)
+def page(samples: Samples, name: str, *, lobes: int | Sequence[str] = 2, index: str | None = None,
+         models: Sequence[str | Sequence[str]] | None = None, **options: Any) -> str:
+    """One material's page as HTML that needs no other file. models: forms to compare on it as well, as of `brdffit.compare`."""
+    return material_page(measure(name, samples, options, lobes, models), index)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -50,16 +53,23 @@ def _parser() -> argparse.ArgumentParser:
     p.add_argument("--lobes", type=_lobes_of, default=2, metavar="1|2|3|NAME,...",
                    help="the fit that is shown in detail: how many of --distribution, or what each is (%(default)s)")
     p.add_argument("--distribution", choices=tuple(_lobes.distributions()), default=defaults.distribution)
+    for kind, default in _terms.DEFAULTS.items():
+        p.add_argument("--" + kind, choices=library().terms[kind], default=default)
     p.add_argument("--norm", choices=structs.NORM, default=defaults.norm)
     p.add_argument("--gap", type=float, default=defaults.relative_gap, metavar="G", help="relative gap on E² (%(default)s)")
-    p.add_argument("--max-incidence", default=defaults.max_incidence, metavar="DEG", type=_degrees,
-                   help="skip light further from the normal; off: use all (%(default)s)")
+    p.add_argument("--max-incidence", default=None, metavar="DEG", type=_degrees,
+                   help="skip light further from the normal; off: use all (60; with --fresnel schlick off)")
     p.add_argument("--merl-samples", choices=("84", "table"), default="84",
                    help="which of a MERL table is fitted (%(default)s); of a .bsdf file, table is what was measured; spheres "
                    "always show all of it")
     p.add_argument("--merl-bins", choices=structs.MERL_BINS, default="edge")
     p.add_argument("--values", choices=structs.QUANTITY, help="what a CSV holds")
+    p.add_argument("--weight", choices=structs.WEIGHTING,
+                   help="what samples count for (those that the file gives, of what a .bsdf file measured solid-angle)")
     p.add_argument("--box-budget", type=int, default=defaults.box_budget, metavar="N")
+    p.add_argument("--compare", dest="models", action="store_const", const=",".join(MODELS),
+                   help="also say which form of model the data support, of the dozen of brdffit compare")
+    p.add_argument("--models", metavar="NAME,...", help="the same, of these forms")
     p.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
     p.add_argument("--version", action="version", version="brdffit-report " + __version__)
     return p
@@ -85,6 +95,11 @@ def _degrees(text: str) -> float:
 
 
 def _read(path: str, arguments: argparse.Namespace) -> Samples:
+    samples = _read_unweighted(path, arguments)
+    return samples if arguments.weight is None else samples.weighted(arguments.weight)
+
+
+def _read_unweighted(path: str, arguments: argparse.Namespace) -> Samples:
     samples = Samples.from_file(path)
     if samples.format == "merl":
         return Samples.from_merl(path, samples=arguments.merl_samples, bins=arguments.merl_bins)
@@ -166,7 +181,8 @@ class _Batch:
     def __init__(self, arguments: argparse.Namespace, folder: pathlib.Path) -> None:
         self._arguments, self.folder = arguments, folder
         self._options = {"distribution": arguments.distribution, "norm": arguments.norm, "relative_gap": arguments.gap,
-                         "max_incidence": arguments.max_incidence, "box_budget": arguments.box_budget}
+                         "max_incidence": arguments.max_incidence, "box_budget": arguments.box_budget,
+                         **{kind: getattr(arguments, kind) for kind in _terms.DEFAULTS}}
         self.code, self._taken = CERTIFIED, {"index"}
         self.rows: list[Row] = []
         self.failures: list[Failure] = []
@@ -174,7 +190,8 @@ class _Batch:
     def take(self, path: str) -> None:
         name = _material_name(path)
         try:
-            material = measure(name, _read(path, self._arguments), self._options, self._arguments.lobes)
+            material = measure(name, _read(path, self._arguments), self._options, self._arguments.lobes,
+                               None if self._arguments.models is None else self._arguments.models.split(","))
             text = material_page(material, "index.html" if len(self._arguments.files) > 1 else None)
             kept = row("", name, material)
         except BrdffitError as error:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from .. import _lobes, _words
+from .. import _lobes, _terms, _words
 from .._version import __version__
 from ..fit import Fit
 from . import _analysis as analysis
@@ -45,7 +45,7 @@ def _badge(material: Material) -> str:
 def _fit(material: Material, lobes: int) -> str:
     fit = material.fits[lobes]
     tables = "".join("<div class='scroll'>%s</div>" % _words.html_table(rows)
-                     for rows in (_words.lobe_table(fit), _words.channel_table(fit)))
+                     for rows in (_words.lobe_table(fit), _words.channel_table(fit), *_terms.tables(fit)))
     words = "".join(_paragraph(text) for text in (
         fit.certificate, proof.near_optimal_words(material, lobes), *_words.warnings(fit)) if text)
     head = _lobes.each(fit.distributions)
@@ -53,6 +53,17 @@ def _fit(material: Material, lobes: int) -> str:
         head = "%s with %s" % (_lobes.title(fit.distributions[0]), _lobes.count_word(lobes))
     return "<h2>%s</h2><div class='tables'>%s</div><div class='certificate%s'>%s</div>" % (
         html.escape(head[0].upper() + head[1:]), tables, "" if fit.certified else " open", words)
+
+
+def _models(material: Material) -> str:
+    """Nothing where none were compared."""
+    found = material.comparison
+    if found is None:
+        return ""
+    counted = "%s observations, counted as %.0f" % (format(found.observations, ","), found.effective_observations)
+    return "<h2>Which model</h2><p class='soft'>%s; p: parameters; * the best, = not told from it, ? not proven</p>%s%s" % (
+        html.escape(counted), "<div class='scroll keep'>%s</div>" % _words.html_table(found.table),
+        "".join(map(_paragraph, found.words)))
 
 
 def _pairs(views: Iterable[tuple[str, str, str]]) -> str:
@@ -154,8 +165,17 @@ def _source(material: Material) -> str:
     if s.merl_samples is not None:
         which = {"84": "the paper's 84 directions of the table", "table": "every cell of the table"}
         out += ", %s, bins by their %s" % (which.get(s.merl_samples, "looked-up directions"), s.merl_bins)
-    return "%s. Values are %s; the norm is %s, relative gap %.3g." % (
-        out, "BRDF values in 1/sr" if s.quantity == "brdf" else "radiance", fit.norm, fit.relative_gap)
+    return "%s. Values are %s; the norm is %s, relative gap %.3g. %s" % (
+        out, "BRDF values in 1/sr" if s.quantity == "brdf" else "radiance", fit.norm, fit.relative_gap, _words.WEIGHTS[s.weighting])
+
+
+def _crowded(material: Material) -> str:
+    """A warning, or nothing."""
+    if material.samples.weighting != "none" or not material.samples.crowded():
+        return ""
+    return "<div class='certificate open'>%s</div>" % _paragraph(
+        "Warning: most samples crowd where the material is bright, and the fit is to that part of the directions. "
+        "--weight solid-angle fits all of them.")
 
 
 def material_page(material: Material, index: str | None) -> str:
@@ -165,6 +185,7 @@ def material_page(material: Material, index: str | None) -> str:
         order.reverse()
     head = "<h1>%s %s</h1><p class='soft'>%s</p>" % (
         html.escape(material.name), _badge(material), html.escape(_source(material)))
-    body = [top, head, *(_fit(material, lobes) for lobes in order), _views(material), _proof(material), _spheres(material),
-            _residuals(material)]
+    body = [top, head, _crowded(material), *(_fit(material, lobes) for lobes in order), _models(material), _views(material),
+            _proof(material),
+            _spheres(material), _residuals(material)]
     return document("%s - brdffit" % material.name, "".join(body))
