@@ -97,9 +97,10 @@ static void test_no_point_below_its_bound(void **state)
     for (i = 0; i < MODELS; i++) {
         missing += tally.model[i] == 0;
     }
-    print_message("%ld points in %ld boxes of %ld problems, %d of %d models missing; %ld bounds positive, %ld within 10 %% of "
-                  "the least objective met\n",
-                  tally.points, tally.boxes, tally.problems, missing, MODELS, tally.positive, tally.tight);
+    print_message(
+        "%ld points in %ld boxes of %ld problems, %d of %d models missing; %ld bounds positive, %ld within 10 %% of "
+        "the least objective met\n",
+        tally.points, tally.boxes, tally.problems, missing, MODELS, tally.positive, tally.tight);
     /* Enough of everything, and an engine that never says anything would pass. */
     assert_true(missing == 0 || wanted < 50000);
     assert_true(tally.positive > tally.boxes / 3 && tally.tight > tally.boxes / 6);
@@ -114,8 +115,9 @@ static void check_falls(double low, double high, double shift, double inf, long 
     long double chord = low + x * ((long double)high - low) - 4.0L * x * (1.0L - x) * shift;
 
     if (!(chord <= truth && (long double)inf <= truth)) {
-        fail_msg("%s at %.6Lg of the interval is %.20Lg: chord less shift %.20Lg, infimum %.17g (ends %.17g %.17g, shift %g)",
-                 what, x, truth, chord, inf, low, high, shift);
+        fail_msg(
+            "%s at %.6Lg of the interval is %.20Lg: chord less shift %.20Lg, infimum %.17g (ends %.17g %.17g, shift %g)",
+            what, x, truth, chord, inf, low, high, shift);
     }
 }
 

@@ -80,9 +80,8 @@ static void draw_model(struct draw *d)
 
     o->masking = masked ? (brdffit_masking)draw_below(d, BRDFFIT_MASKING_COUNT) : BRDFFIT_MASKING_V_CAVITY;
     for (j = 0; j < QUAD_LOBES && o->masking != BRDFFIT_MASKING_V_CAVITY; j++) {
-        q->distribution[j] = j == 0 || q->distribution[j] != q->distribution[0]
-                                 ? (brdffit_distribution)draw_below(d, 2)
-                                 : q->distribution[0];
+        q->distribution[j] = j == 0 || q->distribution[j] != q->distribution[0] ? (brdffit_distribution)draw_below(d, 2)
+                                                                                : q->distribution[0];
         if (j && q->distribution[j] < q->distribution[j - 1]) { /* lobes of one distribution stand together */
             q->distribution[j] = q->distribution[j - 1];
         }
@@ -281,8 +280,8 @@ void draw_truth(struct draw *d, double low, double high, double noise)
 
     memcpy(distribution, d->question.distribution, sizeof distribution);
     if (draw_one_in(d, 4)) {
-        distribution[0] = (brdffit_distribution)draw_below(
-            d, d->question.options.masking ? 2 : BRDFFIT_DISTRIBUTION_COUNT);
+        distribution[0] = (brdffit_distribution)draw_below(d, d->question.options.masking ? 2
+                                                                                          : BRDFFIT_DISTRIBUTION_COUNT);
     }
     if (!row || !one ||
         quad_problem_new(&p, &d->samples, &d->question.options, 1 + (int)draw_below(d, 2), distribution)) {

@@ -248,12 +248,24 @@ void draw_batch(struct draw *d)
 }
 
 const struct draw_family draw_families[] = {
-    {"ordinary", draw_ordinary},     {"relative", draw_relative},   {"spans", draw_spans},
-    {"units", draw_units},           {"no_mirror", draw_no_mirror}, {"near_equal", draw_near_equal},
-    {"channels", draw_channels},     {"gaps", draw_gaps},           {"ends", draw_ends},
-    {"subnormal", draw_subnormal},   {"grazing", draw_grazing},     {"lafortune", draw_lafortune},
-    {"degenerate", draw_degenerate}, {"sums", draw_sums},           {"batch", draw_batch},
-    {"columns", draw_columns},       {"col_edges", draw_columns_edges}, {"col_batch", draw_columns_batch},
+    {"ordinary", draw_ordinary},
+    {"relative", draw_relative},
+    {"spans", draw_spans},
+    {"units", draw_units},
+    {"no_mirror", draw_no_mirror},
+    {"near_equal", draw_near_equal},
+    {"channels", draw_channels},
+    {"gaps", draw_gaps},
+    {"ends", draw_ends},
+    {"subnormal", draw_subnormal},
+    {"grazing", draw_grazing},
+    {"lafortune", draw_lafortune},
+    {"degenerate", draw_degenerate},
+    {"sums", draw_sums},
+    {"batch", draw_batch},
+    {"columns", draw_columns},
+    {"col_edges", draw_columns_edges},
+    {"col_batch", draw_columns_batch},
 };
 
 const int draw_family_count = (int)(sizeof draw_families / sizeof draw_families[0]);

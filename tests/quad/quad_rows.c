@@ -186,7 +186,8 @@ int quad_row(const brdffit_samples *s, size_t i, brdffit_distribution distributi
 
 static int allocate(struct quad_problem *p, size_t n)
 {
-    size_t numbers = n * (size_t)(2 + QUAD_FIXED + 5 * QUAD_LOBES + 2 * QUAD_COLUMNS) + 2 * n * p->channels + p->channels;
+    size_t numbers = n * (size_t)(2 + QUAD_FIXED + 5 * QUAD_LOBES + 2 * QUAD_COLUMNS) + 2 * n * p->channels +
+                     p->channels;
     quad *next = p->block = calloc(numbers ? numbers : 1, sizeof *p->block);
     int j;
 
