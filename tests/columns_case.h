@@ -72,7 +72,8 @@ static inline void cc_directions(const double *l, const double *v, struct column
     at->tan2_view = tv / (V[2] * V[2]);
     at->versine_light = tl / (1.0L + L[2]);
     at->versine_view = tv / (1.0L + V[2]);
-    for (j = 0; j < 3; j++) { /* of the doubles as they are: their cross product does not cancel as a difference would */
+    for (j = 0; j < 3;
+         j++) { /* of the doubles as they are: their cross product does not cancel as a difference would */
         int k = (j + 1) % 3, m = (j + 2) % 3;
 
         cross[j] = (long double)l[k] * v[m] - (long double)l[m] * v[k];
@@ -357,7 +358,9 @@ static inline void cc_draw_samples(struct columns_case *m, uint64_t *s)
         double other = (kind == 6 ? 1e-3 : 1.4) * case_uniform(s), turn = 6.28 * case_uniform(s);
 
         other = kind == 2 ? fabs(theta + 0.05 * case_signed(s)) : kind == 3 ? fabs(theta - apart) : other;
-        turn = kind == 2 || kind == 0 ? phi + 3.14159265358979 : kind == 3 ? (theta < apart ? phi + 3.14159265 : phi) : turn;
+        turn = kind == 2 || kind == 0 ? phi + 3.14159265358979
+               : kind == 3            ? (theta < apart ? phi + 3.14159265 : phi)
+                                      : turn;
         other = fmin(other, 1.55);
         theta = kind == 7 && case_next(s) % 2 ? 0.0 : theta;
         cc_direction(theta, phi, m->light + 3 * i);
@@ -365,7 +368,8 @@ static inline void cc_draw_samples(struct columns_case *m, uint64_t *s)
         if (kind == 4 && case_next(s) % 2) {
             memcpy(m->view + 3 * i, m->light + 3 * i, 3 * sizeof *m->view);
         }
-        m->cosine[0][i] = kind == 5 && case_next(s) % 2 ? pow(10.0, -9.0 * case_uniform(s)) : 0.05 + 0.95 * case_uniform(s);
+        m->cosine[0][i] = kind == 5 && case_next(s) % 2 ? pow(10.0, -9.0 * case_uniform(s))
+                                                        : 0.05 + 0.95 * case_uniform(s);
         m->cosine[1][i] = kind == 7 ? 1.0 : 0.05 + 0.95 * case_uniform(s);
         m->cosine[2][i] = kind == 0 ? pow(tan(0.05 * (double)(i / 2)), 2.0) : pow(10.0, -5.0 * case_uniform(s));
         m->cosine[3][i] = kind == 3 ? 0.8 : kind == 4 && case_next(s) % 2 ? 1.0 : 0.1 + 0.9 * case_uniform(s);
@@ -534,7 +538,8 @@ static inline void cc_draw_box(struct columns_case *m, const double *near, struc
 }
 
 /* Ends and middles first, then anywhere. */
-static inline void cc_draw_point(const struct columns_case *m, const struct cc_box *b, int i, double *theta, uint64_t *s)
+static inline void cc_draw_point(const struct columns_case *m, const struct cc_box *b, int i, double *theta,
+                                 uint64_t *s)
 {
     int p, place = i;
 

@@ -69,7 +69,8 @@ static void judge(const brdffit_result *r)
         own = n < 0 ? value : own;
         if (!((long double)r->lower_bound <= value * (1.0L + 1e-12L) + 1e-16L * total)) {
             brdffit_test_print(&m.samples, o);
-            fail_msg("lower bound %.17g above %.17Lg at theta %g %g %g", r->lower_bound, value, theta[0], theta[1], theta[2]);
+            fail_msg("lower bound %.17g above %.17Lg at theta %g %g %g", r->lower_bound, value, theta[0], theta[1],
+                     theta[2]);
         }
     }
     /* x, y and F0 are the best of their sigma; e2 says what they reach. */
@@ -93,7 +94,8 @@ static brdffit_samples scene(void)
     int i;
 
     for (i = 0; i < SCENE; i++) {
-        double theta = 0.1 + 1.25 * (i % 10) / 9.0, off = 0.15 * (i / 10), turn = i % 3 ? 3.14159265358979 : 3.0 - 0.3 * (i % 7);
+        double theta = 0.1 + 1.25 * (i % 10) / 9.0, off = 0.15 * (i / 10),
+               turn = i % 3 ? 3.14159265358979 : 3.0 - 0.3 * (i % 7);
 
         cc_direction(theta, 0.3 * i, scene_light + 3 * i);
         cc_direction(fabs(theta - off) + 0.01 * (i % 4), 0.3 * i + turn, scene_view + 3 * i);
@@ -188,7 +190,8 @@ static void check_proof(const brdffit_options *o, const brdffit_result *r)
     size = brdffit_workspace_size(m.samples.count, m.samples.channels, &socp);
     workspace = malloc(size);
     assert_non_null(workspace);
-    assert_int_equal(brdffit_verify(&m.samples, &socp, 0.7 * r->lower_bound, workspace, size, &proof, NULL), BRDFFIT_OK);
+    assert_int_equal(brdffit_verify(&m.samples, &socp, 0.7 * r->lower_bound, workspace, size, &proof, NULL),
+                     BRDFFIT_OK);
     assert_true(proof->proven || proof->stop == BRDFFIT_STOP_BUDGET);
     assert_int_equal(brdffit_verify(&m.samples, &socp, 1.05 * r->e2, workspace, size, &proof, NULL), BRDFFIT_OK);
     assert_int_equal(proof->proven, 0);
@@ -249,12 +252,14 @@ static void edge(int kind)
         switch (kind) {
         case 0: memcpy(v, l, 3 * sizeof *l), m.cosine[3][i] = 1.0; break;      /* no second column at all */
         case 1: m.cosine[3][i] = 0.75; break;                                   /* parallel columns */
-        case 2: cc_direction(89.9999 / 57.29577951308232, 0.4 * (double)i, l); /* tan^2 3e11 */
+        case 2:
+            cc_direction(89.9999 / 57.29577951308232, 0.4 * (double)i, l); /* tan^2 3e11 */
             m.cosine[0][i] = 1.745e-6;
             break;
         case 3: cc_direction(0.0, 0.0, l), m.cosine[0][i] = 1.0; break;
         case 4: cc_direction(0.0, 0.0, l), cc_direction(0.0, 0.0, v), m.cosine[0][i] = m.cosine[1][i] = 1.0; break;
-        case 5: memcpy(l, m.light, 3 * sizeof *l), memcpy(v, m.view, 3 * sizeof *v);
+        case 5:
+            memcpy(l, m.light, 3 * sizeof *l), memcpy(v, m.view, 3 * sizeof *v);
             m.cosine[0][i] = m.cosine[0][0], m.cosine[1][i] = m.cosine[1][0];
             m.cosine[2][i] = m.cosine[2][0], m.cosine[3][i] = m.cosine[3][0];
             break;
@@ -287,7 +292,8 @@ static void test_edges(void **state)
 
     (void)state;
     for (seed = 0; seed < 96; seed++) {
-        for (kind = (int)((seed + seed / 4 + seed / 16) % 4); kind < EDGES; kind += 4) { /* each model meets a quarter of them */
+        for (kind = (int)((seed + seed / 4 + seed / 16) % 4); kind < EDGES;
+             kind += 4) { /* each model meets a quarter of them */
             const brdffit_result *r = NULL;
             brdffit_error error;
             brdffit_status status;
@@ -310,7 +316,8 @@ static void test_edges(void **state)
         }
     }
     for (kind = 0; kind < EDGES; kind++) {
-        print_message("edge %d: %ld fits, %ld certified, %ld refused\n", kind, fits[kind], certified[kind], refused[kind]);
+        print_message("edge %d: %ld fits, %ld certified, %ld refused\n", kind, fits[kind], certified[kind],
+                      refused[kind]);
         assert_true(fits[kind] > 0);
     }
 }
