@@ -29,6 +29,8 @@
 #define MOST_DAMPING 1e6
 /* A start costs about a hundredth of one of levmar's: there may be this many times as many. */
 #define MORE_STARTS 20
+/* A start where no lobe has a coefficient is drawn again, until so many times as many as starts have been drawn. */
+#define MOST_DRAWS 10
 
 struct local {
     struct curves_reduced reduced; /* shares its arrays */
@@ -130,12 +132,31 @@ static void damp(struct local *l, double gained, double promise)
     }
 }
 
-/* From l->u to a local minimum, until a step promises no more than `decrease` of E^2. */
+static void place(struct local *l)
+{
+    l->e2 = value(l, l->u);
+}
+
+/* Has a lobe a coefficient at the point that value() was called for last? Else nothing changes as lobes do. */
+static int alive(const struct local *l)
+{
+    size_t k;
+
+    for (k = 0; k < l->reduced.channels; k++) {
+        const double *z = l->reduced.coefficient + 3 * k;
+
+        if (z[1] > 0.0 || z[2] > 0.0) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* From where place() was called last to a local minimum, until a step promises no more than `decrease` of E^2. */
 static void descend(struct local *l, double decrease)
 {
     int i;
 
-    l->e2 = value(l, l->u);
     l->damping = 0.0;
     differentiate(l);
     for (i = 0; i < MOST_STEPS && l->damping < MOST_DAMPING; i++) {
@@ -157,15 +178,25 @@ static void descend(struct local *l, double decrease)
     }
 }
 
+/* Goes to the next start at which a lobe counts, or to the last of those allowed. */
+static void start_at_next(struct local *l, const struct peers_problem *problem, int *drawn, int most)
+{
+    static const struct peers_start start = {1, 1, 1};
+
+    do {
+        peers_start_roughness(problem, &start, (uint64_t)(*drawn)++, l->u);
+        place(l);
+    } while (!alive(l) && *drawn < most);
+}
+
 /* The best of n starts. */
 static void best_of(struct local *l, const struct peers_problem *problem, int starts, double *u)
 {
-    static const struct peers_start start = {1, 1, 1};
     double best = INFINITY;
-    int i;
+    int i, drawn = 0;
 
     for (i = 0; i < starts; i++) {
-        peers_start_roughness(problem, &start, (uint64_t)i, l->u);
+        start_at_next(l, problem, &drawn, MOST_DRAWS * starts);
         descend(l, COARSE);
         if (l->e2 < best) {
             best = l->e2;
@@ -173,6 +204,7 @@ static void best_of(struct local *l, const struct peers_problem *problem, int st
         }
     }
     memcpy(l->u, u, sizeof l->u);
+    place(l);
     descend(l, FINE);
     memcpy(u, l->u, sizeof l->u);
 }
