@@ -81,6 +81,7 @@ static inline void cc_directions(const double *l, const double *v, struct column
     c2 = (cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]) / (ll * vv);
     at->versine = at->lv > 0.0L ? c2 / (4.0L * at->angles.vh * at->angles.vh * (1.0L + at->angles.vh))
                                 : (1.0L - at->lv) / (2.0L * (1.0L + at->angles.vh));
+    at->angles.apart2 = 4.0L * at->versine * (1.0L + at->angles.vh);
 }
 
 static inline void cc_given(const double *l, const double *v, const double *tan2, const double *vh,
@@ -94,6 +95,7 @@ static inline void cc_given(const double *l, const double *v, const double *tan2
     at->tan2_light = (1.0L - at->angles.nl) * (1.0L + at->angles.nl) / (at->angles.nl * at->angles.nl);
     at->tan2_view = (1.0L - at->angles.nv) * (1.0L + at->angles.nv) / (at->angles.nv * at->angles.nv);
     at->versine = 1.0L - at->angles.vh;
+    at->angles.apart2 = 4.0L * at->versine * (1.0L + at->angles.vh);
     at->versine_light = 1.0L - at->angles.nl;
     at->versine_view = 1.0L - at->angles.nv;
 }

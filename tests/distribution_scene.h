@@ -119,6 +119,25 @@ static inline int place(struct scene *s, long double half, long double phi, long
     return l[2] > 0.05 && v[2] > 0.05;
 }
 
+/* Light that is mirrored is light that comes back, once the view is mirrored: for retro-reflection. */
+static inline void scene_mirror(struct scene *s)
+{
+    size_t i;
+
+    for (i = 0; i < s->count; i++) {
+        double *l = s->light + 3 * i, *v = s->view + 3 * i;
+        long double h[3];
+
+        v[0] = -v[0];
+        v[1] = -v[1];
+        h[0] = (long double)l[0] + v[0];
+        h[1] = (long double)l[1] + v[1];
+        h[2] = (long double)l[2] + v[2];
+        s->cosine[2][i] = (double)((h[0] * h[0] + h[1] * h[1]) / (h[2] * h[2]));
+        s->cosine[3][i] = (double)(0.5L * sqrtl(dot(h, h)));
+    }
+}
+
 static inline void scene_new(struct scene *s)
 {
     int i, j;

@@ -125,6 +125,10 @@ static void test_recovery(void **state)
         options.max_incidence = 90.0;
         FOR_EACH(options.distribution)
         {
+            scene_new(s);
+            if (options.distribution == BRDFFIT_RETRO) {
+                scene_mirror(s);
+            }
             for (i = 0; i < 4; i++) {
                 const double *truth = by_exponent(options.distribution) ? exponent[i] : sigma[i];
 

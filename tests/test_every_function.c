@@ -182,6 +182,19 @@ static void call_fits(const brdffit_samples *samples)
     keep_result(r);
     STATUS(brdffit_eval, r->model, samples, out, NULL);
     keep(out, sizeof out);
+    {
+        brdffit_options fresnel = o;
+        double low[CHANNELS * BRDFFIT_MAX_LOBES] = {0.0}, high[CHANNELS * BRDFFIT_MAX_LOBES] = {0.0};
+        const brdffit_result *schlick;
+
+        fresnel.fresnel = BRDFFIT_FRESNEL_SCHLICK;
+        if (brdffit_fit_new(samples, &fresnel, &schlick, NULL) == BRDFFIT_OK) {
+            STATUS(brdffit_f0_interval, samples, &fresnel, schlick->model, low, high, NULL);
+            brdffit_result_free(schlick);
+        }
+        keep(low, sizeof low);
+        keep(high, sizeof high);
+    }
 #ifndef BRDFFIT_NO_ECOS
     {
         brdffit_options cones = o;

@@ -19,7 +19,7 @@ struct verify_sample {
 };
 
 struct verify_angles {
-    long double nl, nv, tan2, vh;
+    long double nl, nv, tan2, vh, apart2; /* n.l, n.v, tan^2 alpha, v.h, |l - v|^2 */
 };
 
 static inline int verify_by_exponent(brdffit_distribution distribution)
@@ -99,7 +99,7 @@ static inline void verify_row(brdffit_distribution distribution, const struct ve
         return;
     case BRDFFIT_RETRO:
         out->b = at->nl;
-        out->c = 4.0L * (1.0L - at->vh) * (1.0L + at->vh);
+        out->c = at->apart2;
         return;
     case BRDFFIT_DISTRIBUTION_COUNT: break;
     }

@@ -48,6 +48,10 @@ static inline void verify_directions(const brdffit_samples *s, size_t i, struct 
     angles->nv = verify_dot(n, v);
     angles->tan2 = verify_dot(cross, cross) / (nh * nh);
     angles->vh = verify_dot(v, h) / sqrtl(verify_dot(h, h));
+    h[0] = l[0] - v[0];
+    h[1] = l[1] - v[1];
+    h[2] = l[2] - v[2];
+    angles->apart2 = verify_dot(h, h);
 }
 
 /* Everything that angles decide, and its errors. */
@@ -93,6 +97,7 @@ static inline brdffit_skip verify_sample_of(brdffit_distribution distribution, c
         angles.nv = s->cos_view[i];
         angles.tan2 = s->tan2_half[i];
         angles.vh = s->cos_difference[i];
+        angles.apart2 = 4.0L * (1.0L - angles.vh) * (1.0L + angles.vh);
     }
     if (!(angles.nl > 0.0L)) {
         return BRDFFIT_SKIP_LIGHT_BELOW_HORIZON;
