@@ -133,7 +133,10 @@ static void test_recovery(void **state)
                 const double *truth = by_exponent(options.distribution) ? exponent[i] : sigma[i];
 
                 scene_values(s, options.distribution, truth, options.lobes);
-                for (form = BRDFFIT_FORM_DIRECTIONS; form <= BRDFFIT_FORM_ANGLES; form++) {
+                /* v.h as a double tells |l - v|^2 to 1e-16 only: narrow retro lobes need directions. */
+                int last = options.distribution == BRDFFIT_RETRO ? BRDFFIT_FORM_DIRECTIONS : BRDFFIT_FORM_ANGLES;
+
+                for (form = BRDFFIT_FORM_DIRECTIONS; form <= last; form++) {
                     check_recovery(s, (brdffit_form)form, &options, truth);
                 }
                 if (options.lobes == 1) { /* the second of the pair on its own */

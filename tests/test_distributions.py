@@ -27,6 +27,7 @@ class Geometry:
         half = half / np.linalg.norm(half, axis=1, keepdims=True)
         self.nl, self.nv, self.nh = light[:, 2], view[:, 2], half[:, 2]
         self.vh = np.sum(view * half, 1)
+        self.apart = np.linalg.norm(light - view, axis=1)
         self.alpha = np.arctan2(np.hypot(half[:, 0], half[:, 1]), half[:, 2])
         mirrored = np.stack([-light[:, 0], -light[:, 1], light[:, 2]], 1)
         self.cos_mirror = np.maximum(np.sum(mirrored * view, 1), 0)
@@ -63,6 +64,10 @@ def lafortune(g, n):
     return (n + 2) / (2 * math.pi) * g.cos_mirror ** n
 
 
+def retro(g, m):
+    return np.exp(-(g.apart / m) ** 2) / (math.pi * m ** 2)
+
+
 # f_r of a lobe with y = 1, the name of its parameter, and true values: two lobes, and a narrow one.
 LOBES = {
     "beckmann": (beckmann, "sigma", [0.07, 0.35], 0.012),
@@ -72,6 +77,7 @@ LOBES = {
     "blinn-phong": (blinn_phong, "exponent", [300.0, 14.5], 12345.0),
     "ashikhmin-shirley": (ashikhmin_shirley, "exponent", [300.0, 14.5], 12345.0),
     "lafortune": (lafortune, "exponent", [300.0, 14.5], 12345.0),
+    "retro": (retro, "sigma", [0.07, 0.35], 0.012),
 }
 DIFFUSE = np.array([0.3, 0.2, 0.05])
 SPECULAR = np.array([[0.02, 0.1], [0.03, 0.06], [0.01, 0.2]])  # channel x lobe, of the lobe's peak near the mirror
@@ -81,14 +87,15 @@ def unit(theta, phi):
     return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1)
 
 
-def directions():
-    """Angles in degrees, as a file holds them: lights 0 to 75 degrees, viewers on and around the mirror direction."""
+def directions(name=""):
+    """Angles in degrees, as a file holds them: lights 0 to 75 degrees, viewers on and around the mirror direction (of a retro
+    lobe: around the light)."""
     rows = []
     for i, theta in enumerate(np.linspace(0, 75, 11)):
         for distance in np.concatenate([[0], np.geomspace(0.1, 60, 13)]):
             for turn in (0, 90, 200):
                 out = np.clip(theta + distance * math.cos(math.radians(turn)), 0, 80)
-                rows.append((theta, 7.0 * i, out, 187.0 * i % 360 + 180 + distance * math.sin(math.radians(turn))))
+                rows.append((theta, 7.0 * i, out, (7.0 * i if name == "retro" else 187.0 * i % 360 + 180) + distance * math.sin(math.radians(turn))))
     return np.array(rows)
 
 
@@ -124,7 +131,7 @@ def run(*arguments):
 @pytest.mark.parametrize("lobes", [1, 2])
 @pytest.mark.parametrize("name", LOBES)
 def test_truth_is_recovered(tmp_path, name, lobes):
-    angles = directions()
+    angles = directions(name)
     g = Geometry(*(unit(*np.radians(angles[:, k:k + 2]).T) for k in (0, 2)))
     values, y = truth(name, lobes)
     file, fits = tmp_path / "made.csv", tmp_path / "fits.json"
