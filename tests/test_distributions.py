@@ -95,7 +95,8 @@ def directions(name=""):
         for distance in np.concatenate([[0], np.geomspace(0.1, 60, 13)]):
             for turn in (0, 90, 200):
                 out = np.clip(theta + distance * math.cos(math.radians(turn)), 0, 80)
-                rows.append((theta, 7.0 * i, out, (7.0 * i if name == "retro" else 187.0 * i % 360 + 180) + distance * math.sin(math.radians(turn))))
+                azimuth = 7.0 * i if name == "retro" else 187.0 * i % 360 + 180
+                rows.append((theta, 7.0 * i, out, azimuth + distance * math.sin(math.radians(turn))))
     return np.array(rows)
 
 

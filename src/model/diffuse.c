@@ -89,8 +89,8 @@ static void burley(const struct geometry_angles *g, double a, double *column, do
     column[2] = a * 4.0 * (d2 * d2) * both;
     error[0] = ENOUGH * a * (l.off + v.off + few);
     error[1] = ENOUGH * (a * 2.0 * d2 * (l.off + v.off) + column[1] * (off + few));
-    error[2] = ENOUGH * (a * 4.0 * (d2 * d2) * (l.off * (v.value + v.off) + v.off * l.value) +
-                         column[2] * (2.0 * off + few));
+    error[2] = ENOUGH *
+               (a * 4.0 * (d2 * d2) * (l.off * (v.value + v.off) + v.off * l.value) + column[2] * (2.0 * off + few));
 }
 
 void brdffit_diffuse_row(brdffit_diffuse diffuse, const struct geometry *g, double column[FIXED_MOST],
