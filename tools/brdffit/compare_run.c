@@ -9,6 +9,7 @@
 #include "failure.h"
 #include "interrupt.h"
 #include "lobes.h"
+#include "terms.h"
 
 /* Whether another model could have more luck with this file. */
 static int is_of_model(brdffit_status status)
@@ -56,7 +57,7 @@ static void take_result(struct cli_comparison *c, struct cli_entry *entry, const
 static void open_for(struct cli_job *job, struct cli_fitter *fitter, const struct cli_model *before)
 {
     const int same = before != NULL && before->distributions[0] == fitter->options.distribution &&
-                     !brdffit_cli_lobes_differ(&fitter->options);
+                     !brdffit_cli_lobes_differ(&fitter->options) && !brdffit_cli_special(&fitter->options);
     if (before != NULL && (job->table->sums == NULL || same)) {
         return;
     }
