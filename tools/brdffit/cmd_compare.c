@@ -27,10 +27,10 @@ struct run {
 
 static void add_defaults(struct cli_text *text)
 {
-    brdffit_cli_text_puts(text, "Models are joined with commas: [N]DISTRIBUTION, with + between distributions, then\n"
-                                "/TERM as of --masking, --fresnel and --diffuse of 'brdffit fit', no-diffuse for\n"
-                                "none: 2beckmann, beckmann+ggx, ggx/smith/schlick. Or a preset of its --model.\n"
-                                "Default:\n ");
+    brdffit_cli_text_puts(text, "Models are joined with commas: [N]DISTRIBUTION, with + between distributions,\n"
+                                "then /TERM as of --masking, --fresnel and --diffuse of 'brdffit fit' (no-diffuse\n"
+                                "for none): 2beckmann, beckmann+ggx, ggx/smith/schlick. Or a preset of its\n"
+                                "--model. Default:\n ");
     size_t column = 1;
     for (const struct cli_model *m = brdffit_cli_default_models; m->lobes > 0; m++) {
         const size_t length = strlen(m->name) + (m[1].lobes > 0);

@@ -399,7 +399,7 @@ def _paragraphs(c: Comparison) -> list[str]:
         return ["No best: " + ("no model was fitted." if c.samples_used == 0 else
                                "the data are all zero, and so is every model." if c.observations == 0 else
                                "no model has fewer parameters than there are observations.")]
-    found = (_best(c, best), _tied(c, best), _proven(c, best), _more(c, best), _open(c), _warned(best))
+    found = (_best(c, best), _tied(c, best), _proven(c, best), _more(c, best), _open(c), _warned(best), _light(c))
     return [text for text in found if text]
 
 
@@ -461,3 +461,10 @@ def _warned(best: Row) -> str:
     if "unresolved" in words:
         out.append("a lobe of the best rests on fewer than 3 effective samples: it may be a fit to single samples.")
     return "Warning: " + " ".join(out) if out else ""
+
+
+def _light(c: Comparison) -> str:
+    """Why it is not limited, where it otherwise would be."""
+    everywhere = any(row.fit is not None and row.fit.max_incidence >= 90 for row in c)
+    return "" if not everywhere or all(row.fresnel == "none" for row in c) else (
+        "All forms are fitted to light from everywhere, as grazing light tells of Fresnel: max_incidence limits it.")
