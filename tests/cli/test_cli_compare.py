@@ -115,7 +115,8 @@ def test_metal_is_ggx_with_smith_and_schlick(instruments):
 
 
 def test_plaster_is_oren_nayar(instruments):
-    """Every form has a lobe; what tells is the diffuse term, and of the lobe nothing. Lafortune's may stay open at grazing light."""
+    """Every form has a lobe; what tells is the diffuse term, and of the lobe nothing. Lafortune's may stay open at grazing
+    light."""
     _, verdict = compare("matte.csv", cwd=instruments, expect=(0, 4))
     assert (verdict["verdict"], verdict["best"]) == ("one", "beckmann/oren-nayar")
     _, verdict = compare("--models", "beckmann/oren-nayar,ggx/oren-nayar,beckmann,beckmann/burley", "matte.csv", cwd=instruments)
@@ -386,7 +387,8 @@ def test_interrupt(desk):
                                              ("2ggx+2ward", "2ggx+2ward"), ("ggx+", "ggx+"), ("", ""), ("GGX", "GGX"),
                                              ("ggx/", "ggx/"), ("ggx//smith", "ggx//smith"), ("/smith", "/smith"),
                                              ("ggx/foo", "ggx/foo"), ("ggx/none", "ggx/none"), ("ggx/smi", "ggx/smi"),
-                                             ("ggx/smith/smith", "ggx/smith/smith"), ("ggx/smith/no-masking", "ggx/smith/no-masking"),
+                                             ("ggx/smith/smith", "ggx/smith/smith"),
+                                             ("ggx/smith/no-masking", "ggx/smith/no-masking"),
                                              ("ggx/smith/schlick,ggx/schlick/smith", "ggx/schlick/smith"),
                                              ("paper/schlick", "paper/schlick"), ("ggx/lambert,ggx", "ggx")])
 def test_bad_lists(desk, models, culprit):

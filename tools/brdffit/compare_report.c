@@ -196,8 +196,9 @@ static void add_incidence(struct cli_text *words, const struct cli_comparison *c
         fresnel |= c->entries[i].model->fresnel != BRDFFIT_FRESNEL_NONE;
     }
     if (fresnel && options->max_incidence >= 90) {
-        brdffit_cli_text_puts(words, " All forms are fitted to light from everywhere, as grazing light tells of Fresnel: "
-                                     "--max-incidence limits it.");
+        brdffit_cli_text_puts(words,
+                              " All forms are fitted to light from everywhere, as grazing light tells of Fresnel: "
+                              "--max-incidence limits it.");
     }
 }
 

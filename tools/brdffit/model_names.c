@@ -167,8 +167,8 @@ static size_t to_slash(const char *name, size_t length)
 
 int brdffit_cli_read_model(const char *name, size_t length, struct cli_model *model)
 {
-    const struct cli_model none = {"", 0, {BRDFFIT_BECKMANN}, BRDFFIT_FRESNEL_NONE, BRDFFIT_MASKING_V_CAVITY,
-                                   BRDFFIT_DIFFUSE_LAMBERT};
+    const struct cli_model none = {
+        "", 0, {BRDFFIT_BECKMANN}, BRDFFIT_FRESNEL_NONE, BRDFFIT_MASKING_V_CAVITY, BRDFFIT_DIFFUSE_LAMBERT};
     unsigned given = 0;
     size_t at = to_slash(name, length);
     *model = none;

@@ -141,10 +141,11 @@ void brdffit_cli_use_model(const struct cli_model *model, brdffit_options *optio
 
 static void refuse(const char *command_name, const char *name)
 {
-    fprintf(stderr,
-            "brdffit %s: --model does not take '%s'; valid values: [N]DISTRIBUTION with + between, up to %d lobes, then "
-            "/TERM, as 2beckmann or ggx/smith/schlick; or",
-            command_name, name, BRDFFIT_MAX_LOBES);
+    fprintf(
+        stderr,
+        "brdffit %s: --model does not take '%s'; valid values: [N]DISTRIBUTION with + between, up to %d lobes, then "
+        "/TERM, as 2beckmann or ggx/smith/schlick; or",
+        command_name, name, BRDFFIT_MAX_LOBES);
     for (const struct cli_preset *p = brdffit_cli_presets; p->model.lobes > 0; p++) {
         fprintf(stderr, "%s %s", p == brdffit_cli_presets ? "" : ",", p->model.name);
     }

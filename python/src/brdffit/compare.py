@@ -288,7 +288,7 @@ def compare(samples: SamplesLike, models: Sequence[str | Sequence[str]] | None =
     choose("criterion", criterion, CRITERIA)
     choose("observations", observations, ("effective", "all"))
     threshold = positive("threshold", threshold)
-    wanted = [named(one) if isinstance(one, str) else Form.of(_lobes.asked(list(one), None))
+    wanted = [Form.of(_lobes.asked(one, None)) if isinstance(one, (list, tuple)) else named(one)  # type: ignore[arg-type]
               for one in (MODELS if models is None else models)]
     if not wanted or len({form.name for form in wanted}) < len(wanted):
         raise OptionError("models must be at least one, each once", code="option")

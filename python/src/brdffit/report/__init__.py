@@ -21,7 +21,7 @@ from .. import _structs as structs
 from .._ffi import library
 from .._version import __version__
 from .._words import readable
-from ..compare import MODELS
+from .._forms import MODELS
 from ..errors import BrdffitError, FileError, OptionError
 from ..options import Options
 from ..progress import Bar
