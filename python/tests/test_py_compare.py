@@ -123,7 +123,13 @@ def test_all_forms_see_the_same_samples():
         assert ("light from everywhere" in repr(found)) == (used == 300)
 
 
-def test_forms_can_be_evaluated_and_counted():
+def test_forms_that_cannot_be_are_rows():
+    found = brdffit.compare(brdffit.Samples.example(), ["ggx", "ward/smith", "3ggx/schlick/burley"], relative_gap=0.1)
+    assert [row.model for row in found] == ["ggx", "ward/smith", "3ggx/schlick/burley"]
+    assert "masking" in str(found[1].error) and "columns" in str(found[2].error) and found.best is found["ggx"]
+
+
+def test_forms_are_counted():
     """The row says the whole form; K (D + F P) coefficients, P roughnesses, the noise."""
     found = brdffit.compare(brdffit.Samples.example(), ["2ggx/smith/schlick/burley", "beckmann/no-diffuse"], relative_gap=0.1)
     row = found["2ggx/smith/schlick/burley"]

@@ -417,6 +417,9 @@ def test_names(instruments, given, name, title):
 def test_a_term_that_a_distribution_has_not_is_a_line(instruments):
     fits, verdict = compare("--models", "ward/smith,ggx", "two_lobe_satin.csv", cwd=instruments, expect=(2,))
     assert fits[0]["error"]["code"] == "unsupported" and ranks(verdict) == {"ggx": "best", "ward/smith": "error"}
+    name = "3ggx/schlick/burley"  # 9 columns
+    fits, verdict = compare("--models", "ggx," + name, "two_lobe_satin.csv", cwd=instruments, expect=(2,))
+    assert "columns" in fits[1]["error"]["message"] and ranks(verdict) == {"ggx": "best", name: "error"}
 
 
 @pytest.mark.parametrize("models, options, used", [
