@@ -15,10 +15,16 @@ from scipy.optimize import nnls
 
 import harness
 import model
+import terms_model
 from test_cli_process import reading, start
 
 SINGLES = list(model.DISTRIBUTIONS)
-DOZEN = [*SINGLES, "2beckmann", "2ggx", "beckmann+ggx", "3beckmann", "3ggx"]
+DOZEN = ["beckmann", "ggx", "ward", "blinn-phong", "ashikhmin-shirley", "lafortune", "2beckmann", "2ggx", "beckmann/schlick",
+         "2beckmann/schlick", "ggx/smith/schlick", "ggx/smith/schlick/burley", "beckmann/oren-nayar"]
+TERMS = {"v-cavity": ("masking", "v-cavity"), "smith": ("masking", "smith"), "no-masking": ("masking", "none"),
+         "smith-separable": ("masking", "smith-separable"), "schlick": ("fresnel", "schlick"), "no-fresnel": ("fresnel", "none"),
+         "lambert": ("diffuse", "lambert"), "burley": ("diffuse", "burley"), "oren-nayar": ("diffuse", "oren-nayar"),
+         "no-diffuse": ("diffuse", "none")}
 
 
 def compare(*arguments, expect=(0,), **more):
@@ -36,8 +42,22 @@ def ranks(verdict):
 
 def shape_of(name):
     """What the lobes of a model are, of its name alone."""
-    return [kind for part in name.split("+") for kind in
+    return [kind for part in name.split("/")[0].split("+") for kind in
             ([part[1:]] * int(part[0]) if part[0] in "123" else [part])]
+
+
+def options_of(name):
+    """Of `fit`: the same form, but for the limit of incidence."""
+    return ["--lobes", ",".join(shape_of(name)),
+            *(word for term in name.split("/")[1:] for word in ("--" + TERMS[term][0], TERMS[term][1]))]
+
+
+def parameters_of(name, channels):
+    """All that is fitted: docs/compare.md."""
+    terms = dict(TERMS[term] for term in name.split("/")[1:])
+    lobes = len(shape_of(name))
+    diffuse = {"lambert": 1, "none": 0, "oren-nayar": 2, "burley": 3}[terms.get("diffuse", "lambert")]
+    return channels * (diffuse + lobes * (2 if "fresnel" in terms else 1)) + lobes + 1
 
 
 def angles(lights=(0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 55, 60), views=(0, 20, 40, 60), azimuths=(0, 10, 30, 90, 180)):
@@ -68,33 +88,43 @@ def test_satin_is_two_beckmann_lobes(instruments):
     assert (verdict["verdict"], verdict["best"], verdict["tied"]) == ("one", "2beckmann", [])
     assert set(ranks(verdict).values()) == {"best", "proven_behind"}
     by_name = {one["model"]: one for one in verdict["models"]}
-    # The certified statements: three lobes are the only form that may be better, and by how little.
+    # The certified statements: the same lobes with Fresnel are the only form that may be better, and by how little.
     for name, one in by_name.items():
-        assert (one["lower_bound"] > by_name["2beckmann"]["e2"]) == (name not in ("2beckmann", "3beckmann"))
-    assert by_name["3beckmann"]["lower_bound"] > 0.97 * by_name["2beckmann"]["e2"]
+        assert (one["lower_bound"] > by_name["2beckmann"]["e2"]) == (name not in ("2beckmann", "2beckmann/schlick"))
+    assert by_name["2beckmann/schlick"]["lower_bound"] > 0.99 * by_name["2beckmann"]["e2"]
 
 
 def test_exact_satin_is_two_beckmann_lobes(instruments):
     """Without noise, E^2 of two forms is rounding: the simpler is named."""
     _, verdict = compare("two_lobe_exact.csv", cwd=instruments)
-    assert (verdict["verdict"], verdict["best"]) == ("one", "2beckmann") and verdict["models"][1]["model"] == "3beckmann"
+    assert (verdict["verdict"], verdict["best"]) == ("one", "2beckmann")
+    assert verdict["models"][1]["model"] == "2beckmann/schlick"
 
 
-def test_metal_is_ggx(instruments):
-    """Although it has Fresnel and Smith's masking too, which no form of the list has: three Beckmann lobes leave less, but
-    hardly by enough for eight more parameters: noise of 1 % of the value leaves its mark in few samples."""
+def test_metal_is_ggx_with_smith_and_schlick(instruments):
+    """Without a diffuse term, when that is on the list. Both of Smith's maskings are as good at these angles, and that is said;
+    GGX alone is proven to leave several times as much."""
     _, verdict = compare("ggx_metal.csv", cwd=instruments)
-    assert (verdict["best"], verdict["simplest"]) == ("ggx", "ggx")
-    assert set(verdict["tied"]) <= {"3beckmann", "beckmann+ggx"}
+    assert (verdict["verdict"], verdict["best"]) == ("one", "ggx/smith/schlick")
     by_name = {one["model"]: one for one in verdict["models"]}
-    assert all(one["rank"] == "proven_behind" for name, one in by_name.items() if name not in ("ggx", *verdict["tied"]))
-    assert by_name["3beckmann"]["e2"] < by_name["ggx"]["e2"]
-    _, verdict = compare("--observations", "all", "ggx_metal.csv", cwd=instruments)
-    assert verdict["best"] == "3beckmann"
+    assert by_name["ggx"]["lower_bound"] > 3 * by_name["ggx/smith/schlick"]["e2"]
+    models = ["ggx", "ggx/smith", "ggx/schlick", "ggx/smith/schlick", "ggx/smith-separable/schlick/no-diffuse",
+              "ggx/smith/schlick/no-diffuse", "beckmann/smith/schlick/no-diffuse"]
+    _, verdict = compare("--models", ",".join(models), "ggx_metal.csv", cwd=instruments)
+    assert {verdict["best"], *verdict["tied"]} == {"ggx/smith-separable/schlick/no-diffuse", "ggx/smith/schlick/no-diffuse"}
+
+
+def test_plaster_is_oren_nayar(instruments):
+    """Every form has a lobe; what tells is the diffuse term, and of the lobe nothing. Lafortune's may stay open at grazing
+    light."""
+    _, verdict = compare("matte.csv", cwd=instruments, expect=(0, 4))
+    assert (verdict["verdict"], verdict["best"]) == ("one", "beckmann/oren-nayar")
+    _, verdict = compare("--models", "beckmann/oren-nayar,ggx/oren-nayar,beckmann,beckmann/burley", "matte.csv", cwd=instruments)
+    assert {verdict["best"], *verdict["tied"]} == {"beckmann/oren-nayar", "ggx/oren-nayar"}
 
 
 def test_plaster_is_none_of_these(instruments):
-    """Oren-Nayar: the best is on the limit of its range, and that is said."""
+    """Oren-Nayar is not on the list: the best is on the limit of its range, and that is said."""
     done = harness.run("compare", "--models", "beckmann,ggx,ward", "matte.csv", cwd=instruments)
     assert done.returncode == 0
     assert "perhaps no form of this list is that of the material" in " ".join(done.stdout.split())
@@ -149,6 +179,38 @@ def criteria_of(e2, n, p):
             "aicc": -2 * likelihood + 2 * p + 2 * p * (p + 1) / (n - p - 1) - constant}
 
 
+@pytest.mark.parametrize("name, columns", [("beckmann/schlick", 3), ("ggx/smith/schlick/burley", 5), ("beckmann/no-diffuse", 1),
+                                           ("beckmann/smith-separable/oren-nayar", 3)])
+def test_bic_of_forms_with_terms(instruments, name, columns):
+    """Recomputed from the file alone: the columns at the roughness found, non-negative least squares, and a count by hand of
+    what is fitted."""
+    fits, verdict = compare("--models", name, "--observations", "all", "--max-incidence", "off", "ggx_metal.csv", cwd=instruments)
+    (fit,), (one,) = fits, verdict["models"]
+    light, view, radiance, _ = everything(instruments / "ggx_metal.csv")
+    parts = columns_of(name, shape_of(name)[0], fit["sigma"][0], light, view)
+    assert parts.shape == (300, columns)
+    scaled = radiance / np.array(fit["channel_scale"])
+    e2 = sum(nnls(parts, scaled[:, k])[1] ** 2 for k in range(3))
+    assert one["e2"] == pytest.approx(e2, rel=1e-8)
+    n, p = 3 * 300, 3 * columns + 1 + 1
+    assert (verdict["effective_observations"], one["parameters"]) == (n, p) and p == parameters_of(name, 3)
+    assert one["criteria"] == pytest.approx(criteria_of(e2, n, p), rel=1e-7)
+
+
+def columns_of(name, kind, sigma, light, view):
+    """Of one lobe and the diffuse term of a form's name, by terms_model.py: 300 x columns."""
+    terms = dict(TERMS[term] for term in name.split("/")[1:])
+    _, b, c, _, _ = model.directions_to_abc(light, view, distribution=kind)
+    lobe = terms_model.masked(kind, terms.get("masking", "v-cavity"), sigma, light, view, b) * model.shape(kind, sigma ** -2, c)
+    half = light + view
+    half = half / np.linalg.norm(half, axis=1, keepdims=True)
+    out = [lobe] if "fresnel" not in terms else [lobe, lobe * (1 - np.sum(view * half, 1)) ** 5]
+    diffuse = terms.get("diffuse", "lambert")
+    if diffuse != "none":
+        out = [*terms_model.diffuse_columns(diffuse, light, view).T, *out]
+    return np.stack(out, -1)
+
+
 def weigh(path):
     """A copy with weights, some of them 0."""
     rows = [line for line in path.read_text().splitlines() if line[0] != "#"]
@@ -161,15 +223,15 @@ def weigh(path):
 def test_figures(desk, file):
     """Every fit is what `fit` makes of that form, to the bit; its criteria are those of its E^2 and its bound."""
     weigh(desk / "ggx_metal.csv")
-    models, effective = ("--models", "beckmann,2ggx,blinn-phong+ward", "--gap", "0.01"), {}
+    names = ("beckmann", "2ggx", "blinn-phong+ward", "ggx/smith/schlick", "beckmann/oren-nayar")
+    models, effective = ("--models", ",".join(names), "--gap", "0.01"), {}
     fits, verdict = compare(*models, file, cwd=desk)
     for fit in fits:
         extra = fit.pop("comparison")
-        lobes = shape_of(extra["model"])
-        (alone,) = harness.fit("--lobes", ",".join(lobes), "--gap", "0.01", file, cwd=desk)
+        (alone,) = harness.fit(*options_of(extra["model"]), "--gap", "0.01", "--max-incidence", "off", file, cwd=desk)
         assert {**fit, "seconds": None} == {**alone, "seconds": None}
         channels = len(fit["channels"])
-        n, p = channels * fit["samples_used"], channels * (1 + len(lobes)) + len(lobes) + 1
+        n, p = channels * fit["samples_used"], parameters_of(extra["model"], channels)
         assert (extra["observations"], extra["parameters"]) == (n, p) and verdict["observations"] == n
         assert extra["r2"] == pytest.approx(1 - fit["e2"] / fit["sum_of_squares"], rel=1e-14)
         effective[fit["e2"]] = extra["effective_observations"]
@@ -182,14 +244,23 @@ def test_figures(desk, file):
             floor = 1e-12 * fits[0]["sum_of_squares"]
             for key, e2 in (("criteria", one["e2"]), ("criteria_bound", one["lower_bound"])):
                 assert one[key] == pytest.approx(criteria_of(max(e2, floor), n, one["parameters"]), rel=1e-11, abs=1e-9)
-        check_verdict(again, verdict, dict(zip(("beckmann", "2ggx", "blinn-phong+ward"), fits)))
+        check_verdict(again, verdict, dict(zip(names, fits)))
+
+
+def everything(path):
+    """Light, view, radiance and weights of a goniometer's file, whatever the incidence."""
+    header, rows = model.read_text(path)
+    column = dict(zip(header, rows.T))
+    light, view = (model.unit(column["theta_" + x], column["phi_" + x]) for x in "io")
+    radiance = np.stack([column[name] for name in "rgb"], -1) * light[:, 2:]
+    return light, view, radiance, column.get("weight", np.ones(len(rows)))
 
 
 def uneven(fit, path):
     """How many Gaussian residuals would be as uneven as these, by the kurtosis of all channels' together."""
-    samples = model.Samples(path, fit["quantity"], distributions=fit["distributions"])
-    residual = samples.radiance - samples.prediction(fit["sigma"], fit["x"], fit["y"])
-    r = (np.sqrt(samples.weights)[:, None] * residual / np.array(fit["channel_scale"])).ravel()
+    light, view, radiance, weights = everything(path)
+    residual = (radiance - terms_model.radiance(fit, light, view))[weights > 0]
+    r = (np.sqrt(weights[weights > 0])[:, None] * residual / np.array(fit["channel_scale"])).ravel()
     return 3 * len(r) / (np.mean(r ** 4) / np.mean(r ** 2) ** 2)
 
 
@@ -221,7 +292,8 @@ def test_no_parameters_refute_what_is_proven(instruments, name):
 
 def test_criterion_and_threshold(instruments):
     """A threshold of 300 leaves two forms undecided; AIC counts parameters less."""
-    _, verdict = compare("--threshold", "300", "two_lobe_satin.csv", cwd=instruments)
+    _, verdict = compare("--threshold", "300", "--models", "ggx,ward,2beckmann,3beckmann,beckmann+ggx", "two_lobe_satin.csv",
+                         cwd=instruments)
     assert (verdict["verdict"], verdict["tied"]) == ("cannot_tell", ["3beckmann", "beckmann+ggx"])
     assert verdict["simplest"] == "2beckmann"
     deltas = {}
@@ -312,19 +384,66 @@ def test_interrupt(desk):
 
 
 @pytest.mark.parametrize("models, culprit", [("foo", "foo"), ("ggx,4ggx", "4ggx"), ("ggx,,ward", ""), ("ggx,1ggx", "1ggx"),
-                                             ("2ggx+2ward", "2ggx+2ward"), ("ggx+", "ggx+"), ("", ""), ("GGX", "GGX")])
+                                             ("2ggx+2ward", "2ggx+2ward"), ("ggx+", "ggx+"), ("", ""), ("GGX", "GGX"),
+                                             ("ggx/", "ggx/"), ("ggx//smith", "ggx//smith"), ("/smith", "/smith"),
+                                             ("ggx/foo", "ggx/foo"), ("ggx/none", "ggx/none"), ("ggx/smi", "ggx/smi"),
+                                             ("ggx/smith/smith", "ggx/smith/smith"),
+                                             ("ggx/smith/no-masking", "ggx/smith/no-masking"),
+                                             ("ggx/smith/schlick,ggx/schlick/smith", "ggx/schlick/smith"),
+                                             ("paper/schlick", "paper/schlick"), ("ggx/lambert,ggx", "ggx")])
 def test_bad_lists(desk, models, culprit):
     done = harness.run("compare", "--models", models, "mixed.csv", cwd=desk)
     assert done.returncode == 2 and done.stdout == ""
     assert "--models does not take '%s'" % culprit in done.stderr
 
 
+@pytest.mark.parametrize("given, name, title", [
+    ("ggx/schlick/smith", "ggx/smith/schlick", "GGX, Smith, Schlick"),
+    ("2beckmann/burley/schlick/smith-separable", "2beckmann/smith-separable/schlick/burley",
+     "2 Beckmann, separable Smith, Schlick, Burley"),
+    ("ggx+beckmann+ggx/no-diffuse", "2ggx+beckmann/no-diffuse", "2 GGX + Beckmann, no diffuse"),
+    ("1ggx/lambert/v-cavity/no-fresnel", "ggx", "GGX"), ("ward/oren-nayar", "ward/oren-nayar", "Ward, Oren-Nayar"),
+    ("beckmann/no-masking", "beckmann/no-masking", "Beckmann, no masking"), ("disney", "disney", "GGX, Smith, Schlick, Burley")])
+def test_names(instruments, given, name, title):
+    """Terms come in any order and are printed in one; a preset keeps its name."""
+    (fit,), verdict = compare("--models", given, "--gap", "0.5", "two_lobe_satin.csv", cwd=instruments)
+    assert verdict["best"] == fit["comparison"]["model"] == name and fit["comparison"]["title"] == title
+    if given != "disney":
+        assert fit["distributions"] == shape_of(name)
+        terms = {"masking": "v-cavity", "fresnel": "none", "diffuse": "lambert", **dict(TERMS[t] for t in name.split("/")[1:])}
+        assert {kind: fit[kind] for kind in terms} == terms
+
+
+def test_a_term_that_a_distribution_has_not_is_a_line(instruments):
+    fits, verdict = compare("--models", "ward/smith,ggx", "two_lobe_satin.csv", cwd=instruments, expect=(2,))
+    assert fits[0]["error"]["code"] == "unsupported" and ranks(verdict) == {"ggx": "best", "ward/smith": "error"}
+    name = "3ggx/schlick/burley"  # 9 columns
+    fits, verdict = compare("--models", "ggx," + name, "two_lobe_satin.csv", cwd=instruments, expect=(2,))
+    assert "columns" in fits[1]["error"]["message"] and ranks(verdict) == {"ggx": "best", name: "error"}
+
+
+@pytest.mark.parametrize("models, options, used", [
+    ("ggx,2beckmann", [], 260), ("ggx,beckmann/schlick", [], 300), ("beckmann/schlick,ggx", ["--max-incidence", "60"], 260),
+    ("ggx", ["--max-incidence", "off"], 300), ("ggx/smith/burley", [], 260), ("principled,paper", [], 300)])
+def test_all_forms_see_the_same_samples(instruments, models, options, used):
+    """Without a limit of incidence where a form has Fresnel, unless there is one given; and it is said."""
+    fits, verdict = compare("--models", models, *options, "two_lobe_satin.csv", cwd=instruments)
+    assert {fit["samples_used"] for fit in fits} == {verdict["samples_used"]} == {used}
+    report = " ".join(harness.run("compare", "--models", models, *options, "two_lobe_satin.csv", cwd=instruments).stdout.split())
+    fresnel = "schlick" in models or "principled" in models
+    assert ("All forms are fitted to light from everywhere" in report) == (fresnel and used == 300)
+    assert "%d of 300 samples used" % used in report
+
+
 # ---- Tables, standard input ------------------------------------------------
 
 
-def test_a_table_is_read_as_often_as_it_takes(instruments):
-    """A MERL table is fitted from sums of one distribution; standard input, read once, from samples. Both say the same."""
-    models = ("--models", "beckmann,2beckmann,ggx,beckmann+ggx,lafortune,ggx+ward")
+@pytest.mark.parametrize("names", ["beckmann,2beckmann,ggx,beckmann+ggx,lafortune,ggx+ward",
+                                   "beckmann,2beckmann,ggx/oren-nayar,ggx,beckmann/schlick"])
+def test_a_table_is_read_as_often_as_it_takes(instruments, names):
+    """A MERL table is fitted from sums of one distribution; standard input, and a list with further terms, from samples. All say
+    the same."""
+    models = ("--models", names)
     fits, one = compare(*models, "two_lobe_table.binary", cwd=instruments)
     again, two = compare(*models, "-", stdin=(instruments / "two_lobe_table.binary").read_bytes())
     for a, b in zip(fits, again):
@@ -346,11 +465,11 @@ def test_every_line_can_be_evaluated(instruments, tmp_path):
 
 def test_the_table_fits_its_columns(desk):
     """100 columns, whatever the lobes; as many numbers a line as there are heads."""
-    done = harness.run("compare", "--models", "3ggx,ashikhmin-shirley+torrance-sparrow,3lafortune,2ward", "--gap", "0.1",
-                       "two_lobe_satin.csv", "two_lobe_exact.csv", cwd=desk)
+    done = harness.run("compare", "--models", "3ggx,ashikhmin-shirley+torrance-sparrow,3lafortune,2ward,2beckmann/schlick,"
+                       "2ggx/smith-separable/no-diffuse", "--gap", "0.1", "two_lobe_satin.csv", "two_lobe_exact.csv", cwd=desk)
     assert all(len(line) <= 100 for line in done.stdout.splitlines())
     table = [line for line in done.stdout.splitlines() if re.search(r" m?s$", line)]
-    assert len(table) == 8
+    assert len(table) == 12
     for line in table:
         assert re.search(r" \d+ +[\d.e+-]+ +[01]\.\d{6} +[\d.e+]+ +(-?[\d.e+]+ +)?-?[\d.e+]+ +[\d.]+ m?s$", line), line
     ascii_only = harness.run("compare", "--models", "ggx,ward", "mixed.csv", cwd=desk, env=harness.environment(LC_ALL="C"))
@@ -416,6 +535,13 @@ def test_lobes_auto_is_another_run(desk):
     (["--model", "ward+2ggx"], ["--lobes", "ward,ggx,ggx"]),
     (["--model", "phong"], ["--distribution", "lafortune"]),
     (["--model", "cook-torrance"], []),
+    (["--model", "principled"], ["--distribution", "ggx", "--masking", "smith", "--fresnel", "schlick"]),
+    (["--model", "disney"], ["--model", "principled", "--diffuse", "burley"]),
+    (["--model", "disney", "--diffuse", "lambert"], ["--model", "ggx/schlick/smith"]),
+    (["--lobes", "2", "--model", "principled"], ["--model", "2ggx/smith/schlick"]),
+    (["--model", "2beckmann/schlick", "--fresnel", "none"], ["--model", "paper"]),
+    (["--model", "principled", "--max-incidence", "60"], ["--model", "ggx/smith/schlick", "--max-incidence", "60"]),
+    (["--model", "ggx+beckmann/no-diffuse"], ["--lobes", "ggx,beckmann", "--diffuse", "none"]),
 ])
 def test_a_model_stands_for_options(instruments, given, same):
     lines = [harness.fit(*options, "--gap", "0.05", "two_lobe_satin.csv", cwd=instruments)[0] for options in (given, same)]
@@ -430,7 +556,7 @@ def test_paper_takes_84_directions(instruments):
 
 
 def test_bad_models(desk):
-    for name in ("foo", "4ggx", "", "ggx,ward"):
+    for name in ("foo", "4ggx", "", "ggx,ward", "ggx/foo", "principled/burley"):
         done = harness.run("fit", "--model", name, "mixed.csv", cwd=desk)
         assert done.returncode == 2 and "--model does not take '%s'" % name in done.stderr
     done = harness.run("fit", "--model", "beckmann+ggx", "--distribution", "ward", "mixed.csv", cwd=desk)

@@ -9,7 +9,7 @@
 #include "failure.h"
 #include "interrupt.h"
 #include "output.h"
-#include "suggest.h"
+#include "terms.h"
 
 struct run {
     struct cli_settings *settings;
@@ -27,8 +27,10 @@ struct run {
 
 static void add_defaults(struct cli_text *text)
 {
-    brdffit_cli_text_puts(text, "Models are joined with commas: [N]DISTRIBUTION, with + between distributions, as\n"
-                                "2beckmann or beckmann+ggx, or a preset of 'brdffit fit --model'. Default:\n ");
+    brdffit_cli_text_puts(text, "Models are joined with commas: [N]DISTRIBUTION, with + between distributions,\n"
+                                "then /TERM as of --masking, --fresnel and --diffuse of 'brdffit fit' (no-diffuse\n"
+                                "for none): 2beckmann, beckmann+ggx, ggx/smith/schlick. Or a preset of its\n"
+                                "--model. Default:\n ");
     size_t column = 1;
     for (const struct cli_model *m = brdffit_cli_default_models; m->lobes > 0; m++) {
         const size_t length = strlen(m->name) + (m[1].lobes > 0);
@@ -61,6 +63,27 @@ void brdffit_cli_compare_help(void)
     brdffit_cli_text_free(&text);
 }
 
+/* The exit code; `bad` is the culprit in the list, with what follows it. */
+static int refuse(const char *bad)
+{
+    struct cli_text names = {0};
+    brdffit_cli_add_term_names(&names);
+    fprintf(
+        stderr,
+        "brdffit compare: --models does not take '%.*s'; a model is [N]DISTRIBUTION with + between, up to %d lobes, "
+        "then /TERM, each model once; terms: %s; distributions and presets:",
+        (int)strcspn(bad, ","), bad, BRDFFIT_MAX_LOBES, brdffit_cli_text_string(&names));
+    brdffit_cli_text_free(&names);
+    for (const struct cli_choice *c = brdffit_cli_distribution_choices(); c->name != NULL; c++) {
+        fprintf(stderr, "%s %s", c->value == 0 ? "" : ",", c->name);
+    }
+    for (const struct cli_preset *p = brdffit_cli_presets; p->model.lobes > 0; p++) {
+        fprintf(stderr, ", %s", p->model.name);
+    }
+    fputs("\nTry 'brdffit compare --help'.\n", stderr);
+    return CLI_EXIT_USAGE;
+}
+
 /* 0, or the exit code of a failure that is on stderr. */
 static int take_models(struct run *r)
 {
@@ -76,22 +99,16 @@ static int take_models(struct run *r)
     if (r->count > 0) {
         return 0;
     }
-    if (bad == NULL) {
-        return brdffit_cli_no_memory();
+    return bad == NULL ? brdffit_cli_no_memory() : refuse(bad);
+}
+
+/* All forms are fitted to the same samples: without a limit of incidence where one of them has none. */
+static void settle_incidence(struct run *r)
+{
+    if (brdffit_cli_any_fresnel(r->models, r->count)) {
+        r->settings->fresnel = BRDFFIT_FRESNEL_SCHLICK;
     }
-    fprintf(
-        stderr,
-        "brdffit compare: --models does not take '%.*s'; a model is [N]DISTRIBUTION with + between, up to %d lobes, "
-        "each model once:",
-        (int)strcspn(bad, ","), bad, BRDFFIT_MAX_LOBES);
-    for (const struct cli_choice *c = brdffit_cli_distribution_choices(); c->name != NULL; c++) {
-        fprintf(stderr, "%s %s", c->value == 0 ? "" : ",", c->name);
-    }
-    for (const struct cli_preset *p = brdffit_cli_presets; p->model.lobes > 0; p++) {
-        fprintf(stderr, ", %s", p->model.name);
-    }
-    fputs("\nTry 'brdffit compare --help'.\n", stderr);
-    return CLI_EXIT_USAGE;
+    brdffit_cli_settle_incidence(r->settings);
 }
 
 /* Messages on standard error, the result on the output. 0 on success. */
@@ -153,6 +170,7 @@ static int run_compare(struct run *r)
 {
     int code = take_models(r);
     if (code == 0) {
+        settle_incidence(r);
         code = brdffit_cli_fitter_init(&r->fitter, r->settings);
     }
     if (code != 0) {

@@ -9,17 +9,59 @@
 #include "report.h"
 #include "words.h"
 
-/* Widths of the columns; with two of indentation and a mark, 100 in all. */
-enum { MODEL = 21, SHAPE = 21, COUNT = 3, RMS = 9, R2 = 9, DELTA = 8, TIME = 9 };
+/* Widths of the columns; with two of indentation and a mark, 100 in all. The first two share BOTH: see widths_of(). */
+enum { MODEL = 21, BOTH = 42, COUNT = 3, RMS = 9, R2 = 9, DELTA = 8, TIME = 9 };
 
-/* "0.1198 0.4505", "n 102.8", "0.16 n 23": n where the number is not sigma. */
-static void add_shape(struct cli_text *text, const struct cli_entry *entry)
+struct widths {
+    int model, shape;
+    int digits; /* of sigma */
+};
+
+/* "0.1198 0.4505", "n=102", "0.16 n=23": n where the number is not sigma. */
+static void add_shape(struct cli_text *text, const struct cli_entry *entry, int digits)
 {
     for (int p = 0; p < entry->model->lobes; p++) {
         const int by_exponent = brdffit_cli_by_exponent(entry->model->distributions[p]);
-        brdffit_cli_text_printf(text, "%s%s%.*g", p > 0 ? " " : "", by_exponent ? "n=" : "", by_exponent ? 3 : 4,
+        brdffit_cli_text_printf(text, "%s%s%.*g", p > 0 ? " " : "", by_exponent ? "n=" : "", by_exponent ? 3 : digits,
                                 entry->shape[p]);
     }
+}
+
+static int longer(int width, struct cli_text *text)
+{
+    const int size = (int)text->size + 1;
+    brdffit_cli_text_free(text);
+    return size > width ? size : width;
+}
+
+/* What titles and roughnesses need. */
+static struct widths needed(const struct cli_comparison *c, int digits)
+{
+    struct widths w = {MODEL, 0, digits};
+    for (size_t i = 0; i < c->count; i++) {
+        struct cli_text title = {0}, shape = {0};
+        brdffit_cli_add_model(&title, c->entries[i].model);
+        if (!c->entries[i].not_begun && c->entries[i].status == BRDFFIT_OK) {
+            add_shape(&shape, &c->entries[i], digits);
+        }
+        w.model = longer(w.model, &title);
+        w.shape = longer(w.shape, &shape);
+    }
+    return w;
+}
+
+/* Long titles take what roughnesses leave, with a digit less if need be; what is longer still is cut. */
+static struct widths widths_of(const struct cli_comparison *c)
+{
+    struct widths w = needed(c, 4);
+    if (w.model + w.shape > BOTH) {
+        w = needed(c, 3);
+    }
+    if (w.model + w.shape > BOTH) {
+        w.model = BOTH - w.shape > MODEL ? BOTH - w.shape : MODEL;
+    }
+    w.shape = BOTH - w.model;
+    return w;
 }
 
 /* `string` in a column to the left, cut where it is longer; its last blank is the gap to the next. */
@@ -64,15 +106,15 @@ static void delta_cells(struct cli_text *text, struct cli_style style, const str
     delta_cell(text, style, !isnan(beside), beside, 0);
 }
 
-static void head(struct cli_text *text, struct cli_style style, const struct cli_comparison *c,
+static void head(struct cli_text *text, struct cli_style style, const struct cli_comparison *c, struct widths widths,
                  const brdffit_options *options)
 {
     char delta[16], beside[16];
     (void)snprintf(delta, sizeof delta, "d%s", brdffit_cli_criterion_title(c->criterion));
     (void)snprintf(beside, sizeof beside, "d%s", brdffit_cli_criterion_title(other(c)));
     brdffit_cli_text_puts(text, "\n    ");
-    left_cell(text, style, "model", MODEL);
-    brdffit_cli_cell(text, style, brdffit_cli_glyph(style, CLI_SIGMA), -SHAPE);
+    left_cell(text, style, "model", widths.model);
+    brdffit_cli_cell(text, style, brdffit_cli_glyph(style, CLI_SIGMA), -widths.shape);
     brdffit_cli_cell(text, style, "p", COUNT);
     brdffit_cli_cell(text, style, options->normalise == BRDFFIT_NORMALISE_MAX ? "RMS %" : "RMS", RMS);
     brdffit_cli_cell(text, style, style.utf8 ? "R²" : "R^2", R2);
@@ -96,11 +138,11 @@ static void time_cell(struct cli_text *text, struct cli_style style, double seco
 }
 
 static void fitted_cells(struct cli_text *text, struct cli_style style, const struct cli_entry *entry,
-                         const struct cli_comparison *c, const brdffit_options *options)
+                         const struct cli_comparison *c, struct widths widths, const brdffit_options *options)
 {
     struct cli_text shape = {0};
-    add_shape(&shape, entry);
-    brdffit_cli_cell(text, style, brdffit_cli_text_string(&shape), -SHAPE);
+    add_shape(&shape, entry, widths.digits);
+    brdffit_cli_cell(text, style, brdffit_cli_text_string(&shape), -widths.shape);
     brdffit_cli_text_printf(text, "%*zu", COUNT, entry->parameters);
     brdffit_cli_number_cell(text, entry->rms_total * (options->normalise == BRDFFIT_NORMALISE_MAX ? 100 : 1), 3, RMS);
     if (isnan(entry->r2)) {
@@ -115,19 +157,19 @@ static void fitted_cells(struct cli_text *text, struct cli_style style, const st
 }
 
 static void line(struct cli_text *text, struct cli_style style, const struct cli_entry *entry,
-                 const struct cli_comparison *c, const brdffit_options *options)
+                 const struct cli_comparison *c, struct widths widths, const brdffit_options *options)
 {
     static const char *const marks[] = {"* ", "= ", "? ", "  ", "  "};
     struct cli_text title = {0};
     brdffit_cli_add_model(&title, entry->model);
     brdffit_cli_text_printf(text, "  %s", marks[entry->rank]);
-    left_cell(text, style, brdffit_cli_text_string(&title), MODEL);
+    left_cell(text, style, brdffit_cli_text_string(&title), widths.model);
     if (entry->not_begun) {
         brdffit_cli_text_puts(text, "interrupted before its turn");
     } else if (entry->status != BRDFFIT_OK) {
         brdffit_cli_text_printf(text, "not fitted: %s", entry->message);
     } else {
-        fitted_cells(text, style, entry, c, options);
+        fitted_cells(text, style, entry, c, widths, options);
     }
     brdffit_cli_text_puts(text, "\n");
     text->failed |= title.failed;
@@ -146,6 +188,20 @@ static void add_observations(struct cli_text *words, const struct cli_comparison
     }
 }
 
+/* Why light is not limited, where it otherwise would be. */
+static void add_incidence(struct cli_text *words, const struct cli_comparison *c, const brdffit_options *options)
+{
+    int fresnel = 0;
+    for (size_t i = 0; i < c->count; i++) {
+        fresnel |= c->entries[i].model->fresnel != BRDFFIT_FRESNEL_NONE;
+    }
+    if (fresnel && options->max_incidence >= 90) {
+        brdffit_cli_text_puts(words,
+                              " All forms are fitted to light from everywhere, as grazing light tells of Fresnel: "
+                              "--max-incidence limits it.");
+    }
+}
+
 static void legend(struct cli_text *text, struct cli_style style, const struct cli_comparison *c,
                    const brdffit_options *options)
 {
@@ -160,6 +216,7 @@ static void legend(struct cli_text *text, struct cli_style style, const struct c
         &words,
         ". RMS: of radiance, %s. d%s: from the best; proven: the least of any fit of that form, whatever its parameters.",
         options->normalise == BRDFFIT_NORMALISE_MAX ? "each channel by its largest" : "in the data's units", criterion);
+    add_incidence(&words, c, options);
     brdffit_cli_text_puts(text, "\n");
     brdffit_cli_paragraph(text, style, CLI_BOLD, NULL, brdffit_cli_text_string(&words));
     text->failed |= words.failed;
@@ -170,9 +227,10 @@ void brdffit_cli_compare_report(struct cli_text *text, struct cli_style style, c
                                 const struct cli_job *job, const brdffit_options *options)
 {
     brdffit_cli_report_title(text, style, job, c->samples_used, c->skipped, options->max_incidence, "used");
-    head(text, style, c, options);
+    const struct widths widths = widths_of(c);
+    head(text, style, c, widths, options);
     for (size_t i = 0; i < c->count; i++) {
-        line(text, style, c->order[i], c, options);
+        line(text, style, c->order[i], c, widths, options);
     }
     legend(text, style, c, options);
     brdffit_cli_text_puts(text, "\n");

@@ -1,5 +1,6 @@
 /* compare_run.c: the fits of a comparison. A file is read once, but for a MERL
- * table that is fitted from sums, which are those of one distribution.
+ * table that is fitted from sums, which are those of one distribution and
+ * know no further terms.
  * SPDX-License-Identifier: MIT */
 #include "compare.h"
 
@@ -9,6 +10,7 @@
 #include "failure.h"
 #include "interrupt.h"
 #include "lobes.h"
+#include "terms.h"
 
 /* Whether another model could have more luck with this file. */
 static int is_of_model(brdffit_status status)
@@ -52,9 +54,23 @@ static void take_result(struct cli_comparison *c, struct cli_entry *entry, const
     entry->parameters = brdffit_cli_parameters(options, options->lobes, c->channels);
 }
 
-/* Sums are of the model that the file was opened for: of another distribution, it is opened again. */
-static void open_for(struct cli_job *job, struct cli_fitter *fitter, const struct cli_model *before)
+/* The form that a file is read for: one that needs samples, when the list has one, so that all are fitted to those. */
+static void use_most(const struct cli_comparison *c, const struct cli_model *model, struct cli_fitter *fitter)
 {
+    for (size_t i = 0; i < c->count; i++) {
+        brdffit_cli_use_model(c->entries[i].model, &fitter->options);
+        if (brdffit_cli_special(&fitter->options)) {
+            return;
+        }
+    }
+    brdffit_cli_use_model(model, &fitter->options);
+}
+
+/* Sums are of the model that the file was opened for: of another distribution, it is opened again. */
+static void open_for(const struct cli_comparison *c, const struct cli_model *model, struct cli_job *job,
+                     struct cli_fitter *fitter, const struct cli_model *before)
+{
+    brdffit_cli_use_model(model, &fitter->options);
     const int same = before != NULL && before->distributions[0] == fitter->options.distribution &&
                      !brdffit_cli_lobes_differ(&fitter->options);
     if (before != NULL && (job->table->sums == NULL || same)) {
@@ -62,7 +78,9 @@ static void open_for(struct cli_job *job, struct cli_fitter *fitter, const struc
     }
     const char *const path = job->path;
     brdffit_cli_job_free(job);
+    use_most(c, model, fitter);
     brdffit_cli_job_open(job, fitter, path);
+    brdffit_cli_use_model(model, &fitter->options);
     if (strcmp(path, "-") == 0 && job->status == BRDFFIT_OK) { /* which is read only once */
         job->status = brdffit_io_samples(job->table, &job->error);
     }
@@ -77,8 +95,7 @@ void brdffit_cli_compare_models(struct cli_comparison *c, struct cli_fitter *fit
     for (size_t i = 0; i < c->count && !brdffit_cli_interrupted(); i++) {
         struct cli_entry *const entry = &c->entries[i];
         const double start = brdffit_cli_clock();
-        brdffit_cli_use_model(entry->model, &fitter->options);
-        open_for(job, fitter, before);
+        open_for(c, entry->model, job, fitter, before);
         if (job->table == NULL) {
             return;
         }
@@ -98,6 +115,7 @@ void brdffit_cli_compare_models(struct cli_comparison *c, struct cli_fitter *fit
         }
         entry->seconds = brdffit_cli_clock() - start;
         if (json != NULL) {
+            brdffit_cli_job_check(job, fitter);
             brdffit_cli_compare_json(json, entry, c, job, fitter);
         }
     }

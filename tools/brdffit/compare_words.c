@@ -16,11 +16,11 @@ static void paragraph(struct cli_text *text, struct cli_style style, enum cli_in
     brdffit_cli_text_free(words);
 }
 
-/* A name in a list: commas between. The blanks in it do not break. */
+/* A title in a list: semicolons between, as a title may have commas. The blanks in it do not break. */
 static void add_name(struct cli_text *words, const struct cli_entry *entry, size_t *listed)
 {
     const size_t start = words->size + (*listed > 0 ? 2 : 0);
-    brdffit_cli_text_puts(words, (*listed)++ > 0 ? ", " : "");
+    brdffit_cli_text_puts(words, (*listed)++ > 0 ? "; " : "");
     brdffit_cli_add_model(words, entry->model);
     for (size_t i = start; i < words->size && !words->failed; i++) {
         words->data[i] = words->data[i] == ' ' ? '\t' : words->data[i];
@@ -43,9 +43,8 @@ static void best(struct cli_text *text, struct cli_style style, const struct cli
         brdffit_cli_text_puts(&words, ", and is exact as far as a certificate can tell");
     }
     if (c->tied == 0 && c->ranked > 1) {
-        brdffit_cli_text_puts(&words, "; the next, ");
+        brdffit_cli_text_printf(&words, ", %.*f less than the next: ", c->order[1]->delta < 1000, c->order[1]->delta);
         brdffit_cli_add_model(&words, c->order[1]->model);
-        brdffit_cli_text_printf(&words, ", is %.*f behind", c->order[1]->delta < 1000, c->order[1]->delta);
     }
     brdffit_cli_text_puts(&words, ".");
     paragraph(text, style, CLI_GREEN, "Best:", &words);

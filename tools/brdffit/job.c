@@ -217,6 +217,8 @@ static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
 {
     const brdffit_model *const model = job->result->model;
     const size_t count = model->channels * (size_t)model->lobes;
+    free(job->f0_low); /* of an earlier fit of this file */
+    job->f0_low = job->f0_high = NULL;
     if (model->fresnel == BRDFFIT_FRESNEL_NONE || fitter->options.norm != BRDFFIT_NORM_L2) {
         return;
     }

@@ -8,36 +8,45 @@
 
 #include "lobes.h"
 
-/* Fresnel, masking and diffuse term as the library has them when nobody says what. */
+/* Masking, Fresnel, diffuse term: the library's when nobody says what, and what renderers show. */
 #define PLAIN BRDFFIT_FRESNEL_NONE, BRDFFIT_MASKING_V_CAVITY, BRDFFIT_DIFFUSE_LAMBERT
-#define ONE(name, a) {name, 1, {a}, PLAIN}
-#define TWO(name, a, b) {name, 2, {a, b}, PLAIN}
-#define THREE(name, a, b, c) {name, 3, {a, b, c}, PLAIN}
+#define SCHLICK BRDFFIT_FRESNEL_SCHLICK, BRDFFIT_MASKING_V_CAVITY, BRDFFIT_DIFFUSE_LAMBERT
+#define PRINCIPLED(diffuse) BRDFFIT_FRESNEL_SCHLICK, BRDFFIT_MASKING_SMITH, diffuse
+#define ROUGH BRDFFIT_FRESNEL_NONE, BRDFFIT_MASKING_V_CAVITY, BRDFFIT_DIFFUSE_OREN_NAYAR
+#define ONE(name, a, ...) {name, 1, {a}, __VA_ARGS__}
+#define TWO(name, a, ...) {name, 2, {a, a}, __VA_ARGS__}
 #define END {"", 0, {BRDFFIT_BECKMANN}, PLAIN}
 
-/* Every distribution once, then more lobes of those that renderers use. */
+/* Distributions alone, then more lobes and what does more than those: Fresnel, and diffuse terms. */
 const struct cli_model brdffit_cli_default_models[] = {
-    ONE("beckmann", BRDFFIT_BECKMANN),
-    ONE("ggx", BRDFFIT_GGX),
-    ONE("torrance-sparrow", BRDFFIT_TORRANCE_SPARROW),
-    ONE("ward", BRDFFIT_WARD),
-    ONE("blinn-phong", BRDFFIT_BLINN_PHONG),
-    ONE("ashikhmin-shirley", BRDFFIT_ASHIKHMIN_SHIRLEY),
-    ONE("lafortune", BRDFFIT_LAFORTUNE),
-    TWO("2beckmann", BRDFFIT_BECKMANN, BRDFFIT_BECKMANN),
-    TWO("2ggx", BRDFFIT_GGX, BRDFFIT_GGX),
-    TWO("beckmann+ggx", BRDFFIT_BECKMANN, BRDFFIT_GGX),
-    THREE("3beckmann", BRDFFIT_BECKMANN, BRDFFIT_BECKMANN, BRDFFIT_BECKMANN),
-    THREE("3ggx", BRDFFIT_GGX, BRDFFIT_GGX, BRDFFIT_GGX),
+    ONE("beckmann", BRDFFIT_BECKMANN, PLAIN),
+    ONE("ggx", BRDFFIT_GGX, PLAIN),
+    ONE("ward", BRDFFIT_WARD, PLAIN),
+    ONE("blinn-phong", BRDFFIT_BLINN_PHONG, PLAIN),
+    ONE("ashikhmin-shirley", BRDFFIT_ASHIKHMIN_SHIRLEY, PLAIN),
+    ONE("lafortune", BRDFFIT_LAFORTUNE, PLAIN),
+    TWO("2beckmann", BRDFFIT_BECKMANN, PLAIN),
+    TWO("2ggx", BRDFFIT_GGX, PLAIN),
+    ONE("beckmann/schlick", BRDFFIT_BECKMANN, SCHLICK),
+    TWO("2beckmann/schlick", BRDFFIT_BECKMANN, SCHLICK),
+    ONE("ggx/smith/schlick", BRDFFIT_GGX, PRINCIPLED(BRDFFIT_DIFFUSE_LAMBERT)),
+    ONE("ggx/smith/schlick/burley", BRDFFIT_GGX, PRINCIPLED(BRDFFIT_DIFFUSE_BURLEY)),
+    ONE("beckmann/oren-nayar", BRDFFIT_BECKMANN, ROUGH),
     END,
 };
 
 const struct cli_preset brdffit_cli_presets[] = {
-    {TWO("paper", BRDFFIT_BECKMANN, BRDFFIT_BECKMANN), 60, "84",
+    {TWO("paper", BRDFFIT_BECKMANN, PLAIN), 60, "84",
      "Yu, Seo and Lee: two Beckmann lobes, light up to 60 degrees;\n"
      "                  of a MERL table 84 directions"},
-    {ONE("cook-torrance", BRDFFIT_BECKMANN), 0, NULL, "Cook and Torrance 1982: one Beckmann lobe"},
-    {ONE("phong", BRDFFIT_LAFORTUNE), 0, NULL, "a cosine lobe about the mirrored light"},
+    {ONE("principled", BRDFFIT_GGX, PRINCIPLED(BRDFFIT_DIFFUSE_LAMBERT)), 0, NULL,
+     "what renderers show: one GGX lobe, Smith, Schlick;\n"
+     "                  the same as ggx/smith/schlick"},
+    {ONE("disney", BRDFFIT_GGX, PRINCIPLED(BRDFFIT_DIFFUSE_BURLEY)), 0, NULL,
+     "the same with Burley's diffuse term:\n"
+     "                  ggx/smith/schlick/burley"},
+    {ONE("cook-torrance", BRDFFIT_BECKMANN, PLAIN), 0, NULL, "Cook and Torrance 1982: one Beckmann lobe"},
+    {ONE("phong", BRDFFIT_LAFORTUNE, PLAIN), 0, NULL, "a cosine lobe about the mirrored light"},
     {END, 0, NULL, NULL},
 };
 
@@ -58,92 +67,17 @@ void brdffit_cli_add_presets(struct cli_text *text)
     }
 }
 
-/* ---- Names ------------------------------------------------------------- */
-
-/* How many lobes of one distribution stand at p and after. */
-static int run_length(const struct cli_model *model, int p)
-{
-    int end = p;
-    while (end < model->lobes && model->distributions[end] == model->distributions[p]) {
-        end++;
-    }
-    return end - p;
-}
-
-static void set_name(struct cli_model *model)
-{
-    size_t size = 0;
-    for (int p = 0; p < model->lobes; p += run_length(model, p)) {
-        const int count = run_length(model, p);
-        char number[12] = "";
-        if (count > 1) {
-            (void)snprintf(number, sizeof number, "%d", count);
-        }
-        size += (size_t)snprintf(model->name + size, sizeof model->name - size, "%s%s%s", p > 0 ? "+" : "", number,
-                                 brdffit_distribution_string(model->distributions[p]));
-    }
-}
-
-/* [N]DISTRIBUTION of `length` bytes, as further lobes of the model. */
-static int add_part(struct cli_model *model, const char *part, size_t length)
-{
-    int count = 1;
-    if (length > 0 && part[0] >= '1' && part[0] <= '0' + BRDFFIT_MAX_LOBES) {
-        count = part[0] - '0';
-        part++;
-        length--;
-    }
-    for (const struct cli_choice *c = brdffit_cli_distribution_choices(); c->name != NULL; c++) {
-        if (strlen(c->name) == length && memcmp(c->name, part, length) == 0) {
-            for (; count > 0 && model->lobes < BRDFFIT_MAX_LOBES; count--) {
-                model->distributions[model->lobes++] = (brdffit_distribution)c->value;
-            }
-            return count == 0;
-        }
-    }
-    return 0;
-}
-
-static int is_called(const struct cli_model *model, const char *name, size_t length)
-{
-    return strlen(model->name) == length && memcmp(model->name, name, length) == 0;
-}
-
-static const struct cli_model *in_table(const char *name, size_t length)
-{
-    for (const struct cli_preset *p = brdffit_cli_presets; p->model.lobes > 0; p++) {
-        if (is_called(&p->model, name, length)) {
-            return &p->model;
-        }
-    }
-    for (const struct cli_model *m = brdffit_cli_default_models; m->lobes > 0; m++) {
-        if (is_called(m, name, length)) {
-            return m;
-        }
-    }
-    return NULL;
-}
+/* ---- Lists --------------------------------------------------------------- */
 
 int brdffit_cli_find_model(const char *name, size_t length, struct cli_model *model)
 {
-    const struct cli_model none = END;
-    const struct cli_model *const known = in_table(name, length);
-    if (known != NULL) {
-        *model = *known;
-        return 1;
-    }
-    *model = none;
-    for (size_t at = 0; at <= length;) {
-        const char *const plus = memchr(name + at, '+', length - at);
-        const size_t part = plus != NULL ? (size_t)(plus - (name + at)) : length - at;
-        if (!add_part(model, name + at, part)) {
-            return 0;
+    for (const struct cli_preset *p = brdffit_cli_presets; p->model.lobes > 0; p++) {
+        if (strlen(p->model.name) == length && memcmp(p->model.name, name, length) == 0) {
+            *model = p->model;
+            return 1;
         }
-        at += part + 1;
     }
-    brdffit_cli_group_lobes(model->distributions, model->lobes);
-    set_name(model);
-    return 1;
+    return brdffit_cli_read_model(name, length, model);
 }
 
 size_t brdffit_cli_read_models(const char *list, struct cli_model **models, const char **bad)
@@ -174,25 +108,16 @@ size_t brdffit_cli_read_models(const char *list, struct cli_model **models, cons
     return count;
 }
 
-void brdffit_cli_add_model(struct cli_text *text, const struct cli_model *model)
-{
-    static const char *const masking[] = {"", " Smith", " separable Smith", " unmasked"};
-    static const char *const fresnel[] = {"", " Schlick"};
-    static const char *const diffuse[] = {"", " without diffuse", " Oren-Nayar", " Burley"};
-    for (int p = 0; p < model->lobes; p += run_length(model, p)) {
-        const int count = run_length(model, p);
-        brdffit_cli_text_puts(text, p > 0 ? " + " : "");
-        if (count > 1) {
-            brdffit_cli_text_printf(text, "%d ", count);
-        }
-        brdffit_cli_text_puts(text, brdffit_distribution_title(model->distributions[p]));
-    }
-    brdffit_cli_text_puts(text, masking[model->masking]);
-    brdffit_cli_text_puts(text, fresnel[model->fresnel]);
-    brdffit_cli_text_puts(text, diffuse[model->diffuse]);
-}
-
 /* ---- What a form has --------------------------------------------------- */
+
+int brdffit_cli_any_fresnel(const struct cli_model *models, size_t count)
+{
+    int any = 0;
+    for (size_t i = 0; i < count; i++) {
+        any |= models[i].fresnel != BRDFFIT_FRESNEL_NONE;
+    }
+    return any;
+}
 
 size_t brdffit_cli_parameters(const brdffit_options *form, int lobes, size_t channels)
 {
@@ -216,10 +141,11 @@ void brdffit_cli_use_model(const struct cli_model *model, brdffit_options *optio
 
 static void refuse(const char *command_name, const char *name)
 {
-    fprintf(stderr,
-            "brdffit %s: --model does not take '%s'; valid values: [N]DISTRIBUTION with + between, up to %d lobes, as "
-            "2beckmann or beckmann+ggx; or",
-            command_name, name, BRDFFIT_MAX_LOBES);
+    fprintf(
+        stderr,
+        "brdffit %s: --model does not take '%s'; valid values: [N]DISTRIBUTION with + between, up to %d lobes, then "
+        "/TERM, as 2beckmann or ggx/smith/schlick; or",
+        command_name, name, BRDFFIT_MAX_LOBES);
     for (const struct cli_preset *p = brdffit_cli_presets; p->model.lobes > 0; p++) {
         fprintf(stderr, "%s %s", p == brdffit_cli_presets ? "" : ",", p->model.name);
     }

@@ -456,6 +456,8 @@ enum cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int
     if (answer == CLI_PARSED && settings->model != NULL) {
         answer = parse_over_model(&p, argc, argv);
     }
-    brdffit_cli_settle_incidence(settings);
+    if (command != CLI_COMPARE) { /* whose list of models settles it */
+        brdffit_cli_settle_incidence(settings);
+    }
     return answer == CLI_PARSED ? check_together(&p) : answer;
 }

@@ -57,7 +57,7 @@ const struct cli_option brdffit_cli_options[] = {
           "specular lobes (default 1): how many of\n--distribution, or what each is: ggx,ward"),
     PLAIN(
         "model", 0, CLI_STRING, CLI_FIT, model, "NAME",
-        "a preset (below), or a form as of 'brdffit\ncompare' (2beckmann); options beside it go\nbefore what it stands for"),
+        "a preset (below), or a form as of 'brdffit\ncompare' (ggx/smith/schlick); options beside it\ngo before what it stands for"),
     PLAIN("models", 0, CLI_STRING, CLI_COMPARE, models, "NAME,...", "forms of model to compare; see below"),
     CHOICE("criterion", CLI_COMPARE, 0, criterion, criteria, "bic|aic|aicc",
            "what weighs the fit against the number of its\nparameters (default bic)"),
@@ -100,7 +100,9 @@ const struct cli_option brdffit_cli_options[] = {
     CHOICE("normalize", SEARCHES, 1, normalise, brdffit_cli_normalise_choices, "", ""),
     {"max-incidence", 0, CLI_DEGREES, FITS, 0, AT(max_incidence), 0, 90, 1, NULL, "DEG|off",
      "skip samples lit from further off the normal\n(default 60; with --fresnel schlick off)"},
-    {"max-incidence", 0, CLI_DEGREES, CLI_COMPARE | CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL, "DEG|off",
+    {"max-incidence", 0, CLI_DEGREES, CLI_COMPARE, 0, AT(max_incidence), 0, 90, 1, NULL, "DEG|off",
+     "skip samples lit from further off the normal\n(default 60; off when a model has Fresnel)"},
+    {"max-incidence", 0, CLI_DEGREES, CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL, "DEG|off",
      "skip samples lit from further off the normal\n(default 60)"},
     CHOICE("values", WORKERS, 0, values, brdffit_cli_quantity_choices, "brdf|radiance",
            "what the file's values are: f_r, or f_r times\n"

@@ -19,6 +19,7 @@ import numpy as np
 from . import _lobes, _words
 from ._arguments import choose, positive
 from ._arrays import Floats
+from ._forms import MODELS, Form, named
 from .errors import BrdffitError, OptionError, OutOfMemoryError, UnsupportedError
 from .fit import Fit, SamplesLike, run
 from .options import Options
@@ -34,9 +35,6 @@ TITLES = {"bic": "BIC", "aic": "AIC", "aicc": "AICc"}
 TELLING = 6.0
 ROUNDING = 1e-20  # of the sum of squares: E^2 is taken to be no less, nor less than the absolute gap
 
-# What is compared when nobody says what.
-MODELS = ("beckmann", "ggx", "torrance-sparrow", "ward", "blinn-phong", "ashikhmin-shirley", "lafortune", "2beckmann", "2ggx",
-          "beckmann+ggx", "3beckmann", "3ggx")
 RANKS = ("best", "tied", "behind", "proven_behind", "unranked")
 
 
@@ -51,7 +49,7 @@ class CompareOptions(TypedDict, total=False):
     absolute_gap: float
     sigma_resolution: float
     box_budget: int
-    max_incidence: float
+    max_incidence: float | None
     socp_every_box: bool
     isa: str
 
@@ -78,7 +76,8 @@ class Criteria:
 class Row:
     """One form of model.
 
-    model: its name, "2beckmann"; distributions: what each lobe is; title: for people, "2 Beckmann"
+    model: its name, "2beckmann" or "ggx/smith/schlick"; title: for people, "2 Beckmann" or "GGX, Smith, Schlick"
+    distributions: what each lobe is; masking, fresnel, diffuse: the rest of the form, as in `Options`
     fit: the fit, or None and `error` says why
     rank: "best"; "tied": less than the threshold behind; "proven_behind": by that or more, whatever its parameters;
         "behind": its fit is, but its search stopped before that was proven; "unranked": without a criterion
@@ -102,6 +101,9 @@ class Row:
     criteria_bound: Criteria
     seconds: float
     e2_floor: float
+    masking: str
+    fresnel: str
+    diffuse: str
 
     @property
     def exact(self) -> bool:
@@ -224,39 +226,6 @@ class Comparison(Sequence[Row]):
             _words.html_table(self.table), "".join("<p>%s</p>" % _html.escape(text) for text in self.words))
 
 
-# ---- Names -----------------------------------------------------------------
-
-
-def distributions_of(name: str) -> tuple[str, ...]:
-    """What the lobes of a model are: [N]DISTRIBUTION with + between several, as "2beckmann" or "beckmann+ggx"."""
-    out: list[str] = []
-    known = tuple(_lobes.distributions())
-    for part in name.split("+") if isinstance(name, str) else ():
-        count, kind = (int(part[0]), part[1:]) if part[:1] in ("1", "2", "3") else (1, part)
-        if kind not in known:
-            raise OptionError("%r is no model: [N]DISTRIBUTION with + between several, of %s" % (name, ", ".join(known)),
-                              code="option")
-        out += [kind] * count
-    if not 1 <= len(out) <= _lobes.MOST:
-        raise OptionError("a model has 1 to %d lobes, not %r" % (_lobes.MOST, name), code="option")
-    return _lobes.group(out)
-
-
-def _join(distributions: Sequence[str], word: Any, space: str, plus: str) -> str:
-    parts = [(at.stop - at.start, name) for name, at in _lobes.kinds(distributions)]
-    return plus.join("%s%s" % ("%d%s" % (count, space) if count > 1 else "", word(name)) for count, name in parts)
-
-
-def model_name(distributions: Sequence[str]) -> str:
-    """ "2beckmann", "beckmann+ggx"."""
-    return _join(distributions, str, "", "+")
-
-
-def model_title(distributions: Sequence[str]) -> str:
-    """ "2 Beckmann", "Beckmann + GGX"."""
-    return _join(distributions, _lobes.title, " ", " + ")
-
-
 # ---- Compare ---------------------------------------------------------------
 
 
@@ -305,8 +274,8 @@ def compare(samples: SamplesLike, models: Sequence[str | Sequence[str]] | None =
             **options: Unpack[CompareOptions]) -> Comparison:
     """Fit many forms of model to samples (or to a file of them), with proof, and say which of them the data support.
 
-    models: names as "2beckmann" or "beckmann+ggx", or lists of distributions; None: a dozen, every distribution
-        once and more lobes of Beckmann and GGX
+    models: names as "2beckmann", "beckmann+ggx" or "ggx/smith/schlick" (docs/compare.md has the grammar), presets of `fit`, or
+        lists of distributions; None: a dozen, distributions alone, more lobes, Fresnel and diffuse terms
     criterion: "bic", "aic" or "aicc"
     threshold: models less than this behind the best in the criterion cannot be told from it
     observations: what the criterion counts: "effective", as many Gaussian residuals as would be as uneven as those of the fit
@@ -319,19 +288,21 @@ def compare(samples: SamplesLike, models: Sequence[str | Sequence[str]] | None =
     choose("criterion", criterion, CRITERIA)
     choose("observations", observations, ("effective", "all"))
     threshold = positive("threshold", threshold)
-    wanted = [distributions_of(one) if isinstance(one, str) else _lobes.asked(list(one), None)
+    wanted = [Form.of(_lobes.asked(one, None)) if isinstance(one, (list, tuple)) else named(one)  # type: ignore[arg-type]
               for one in (MODELS if models is None else models)]
-    if not wanted or len(set(wanted)) < len(wanted):
+    if not wanted or len({form.name for form in wanted}) < len(wanted):
         raise OptionError("models must be at least one, each once", code="option")
+    if options.get("max_incidence") is None and any(form.fresnel != "none" for form in wanted):
+        options["max_incidence"] = 90.0  # of all: criteria compare fits to the same samples
     asked = Options(**options)
     asked._struct()  # wrong options fail here, once
     data = samples if isinstance(samples, Samples) else Samples.from_file(samples)
     rows: list[Row] = []
-    for distributions in wanted:
+    for form in wanted:
         began = time.perf_counter()
-        fit, error = _attempt(data, asked.replace(lobes=distributions), progress)
+        fit, error = _attempt(data, asked.replace(**form.options), progress)
         seconds = time.perf_counter() - began
-        rows.append(_row(distributions, fit, error, data, seconds))
+        rows.append(_row(form, fit, error, data, seconds))
     return _ranked(rows, criterion, threshold, observations == "all", data.file)
 
 
@@ -342,17 +313,16 @@ def _attempt(data: Samples, options: Options, progress: ProgressArgument) -> tup
         return None, error
 
 
-def _row(distributions: tuple[str, ...], fit: Fit | None, error: BrdffitError | None, data: Samples, seconds: float) -> Row:
+def _row(form: Form, fit: Fit | None, error: BrdffitError | None, data: Samples, seconds: float) -> Row:
     none = Criteria.of(0.0, 0, 0)
-    title, name = model_title(distributions), model_name(distributions)
+    row = Row(form.name, form.title, form.distributions, fit, error, "unranked", math.nan, math.nan, 0, math.nan, math.nan, none,
+              none, seconds, math.nan, form.masking, form.fresnel, form.diffuse)
     if fit is None:
-        return Row(name, title, distributions, None, error, "unranked", math.nan, math.nan, 0, math.nan, math.nan, none, none,
-                   seconds, math.nan)
-    channels = len(_distinct(fit))
-    return Row(name, title, distributions, fit, None, "unranked", math.nan, math.nan,
-               channels * (1 + fit.lobes) + fit.lobes + 1, effective_observations(fit, data),
-               1 - fit.e2 / fit.sum_of_squares if fit.sum_of_squares > 0 else math.nan, none, none, seconds,
-               max(fit.absolute_gap, ROUNDING) * fit.sum_of_squares)
+        return row
+    return dataclasses.replace(
+        row, parameters=form.parameters(len(_distinct(fit))), effective_observations=effective_observations(fit, data),
+        r2=1 - fit.e2 / fit.sum_of_squares if fit.sum_of_squares > 0 else math.nan,
+        e2_floor=max(fit.absolute_gap, ROUNDING) * fit.sum_of_squares)
 
 
 def _counted(fitted: Sequence[Row], everything: bool) -> tuple[int, int, float]:
@@ -429,7 +399,7 @@ def _paragraphs(c: Comparison) -> list[str]:
         return ["No best: " + ("no model was fitted." if c.samples_used == 0 else
                                "the data are all zero, and so is every model." if c.observations == 0 else
                                "no model has fewer parameters than there are observations.")]
-    found = (_best(c, best), _tied(c, best), _proven(c, best), _more(c, best), _open(c), _warned(best))
+    found = (_best(c, best), _tied(c, best), _proven(c, best), _more(c, best), _open(c), _warned(best), _light(c))
     return [text for text in found if text]
 
 
@@ -438,14 +408,14 @@ def _best(c: Comparison, best: Row) -> str:
     if best.exact:
         out += ", and is exact as far as a certificate can tell"
     if not c.tied and len(c.ranked) > 1:
-        out += "; the next, %s, is %.*f behind" % (c.ranked[1].title, c.ranked[1].delta < 1000, c.ranked[1].delta)
+        out += ", %.*f less than the next: %s" % (c.ranked[1].delta < 1000, c.ranked[1].delta, c.ranked[1].title)
     return out + "."
 
 
 def _tied(c: Comparison, best: Row) -> str:
     if not c.tied:
         return ""
-    out = "Undecided: the data cannot tell it from %s. More directions or less noise may." % ", ".join(
+    out = "Undecided: the data cannot tell it from %s. More directions or less noise may." % "; ".join(
         "%s (%.1f behind)" % (row.title, row.delta) for row in c.tied)
     simplest = c.simplest
     if simplest is not None and simplest.parameters < best.parameters:
@@ -461,7 +431,7 @@ def _proven(c: Comparison, best: Row) -> str:
     if not found:
         return ""
     return ("Proven: no fit of these forms, whatever its parameters, reaches the E² of this %s; they leave at least so many "
-            "times as much: %s." % (best.title, ", ".join(found)))
+            "times as much: %s." % (best.title, "; ".join(found)))
 
 
 def _more(c: Comparison, best: Row) -> str:
@@ -472,13 +442,13 @@ def _more(c: Comparison, best: Row) -> str:
             most = 100 * (1 - row.lower_bound / (best.e2 + best.fit.e2_error))
             found.append("%s (%d more; %s)" % (row.title, row.parameters - best.parameters, "as exact" if best.exact else
                                                "proven: at most %s %% smaller" % _words.directed(most, 2, True)))
-    return "" if not found else "More parameters: the E² of others is too little smaller for their number: %s." % ", ".join(found)
+    return "" if not found else "More parameters: the E² of others is too little smaller for their number: %s." % "; ".join(found)
 
 
 def _open(c: Comparison) -> str:
     found = [row.title for row in c if row.rank == "behind"]
     return "" if not found else ("NOT proven: a better fit than was found is not ruled out of %s. A smaller relative_gap or a "
-                                 "larger box_budget tells." % ", ".join(found))
+                                 "larger box_budget tells." % "; ".join(found))
 
 
 def _warned(best: Row) -> str:
@@ -491,3 +461,10 @@ def _warned(best: Row) -> str:
     if "unresolved" in words:
         out.append("a lobe of the best rests on fewer than 3 effective samples: it may be a fit to single samples.")
     return "Warning: " + " ".join(out) if out else ""
+
+
+def _light(c: Comparison) -> str:
+    """Why it is not limited, where it otherwise would be."""
+    everywhere = any(row.fit is not None and row.fit.max_incidence >= 90 for row in c)
+    return "" if not everywhere or all(row.fresnel == "none" for row in c) else (
+        "All forms are fitted to light from everywhere, as grazing light tells of Fresnel: max_incidence limits it.")

@@ -14,7 +14,7 @@ from typing import Any, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _lobes, _terms, _words
+from . import _forms, _lobes, _terms, _words
 from . import _structs as structs
 from ._arguments import choose
 from ._arrays import Floats, Frozen, address, floats, freeze, vectors
@@ -286,17 +286,19 @@ class Fit(Frozen):
         return _words.html(self)
 
 
-def fit(samples: SamplesLike, *, lobes: int | Sequence[str] = 1, distribution: str | None = None, norm: str = "l2",
+def fit(samples: SamplesLike, *, lobes: int | Sequence[str] | None = None, distribution: str | None = None, norm: str = "l2",
         engine: str = "moment", normalise: str = "max", sigma_range: tuple[float, float] = (1e-12, 6.0),
         exponent_range: tuple[float, float] = (0.1, 1e7), relative_gap: float = 1e-3, absolute_gap: float = 1e-12,
         sigma_resolution: float = 0.0, box_budget: int = 1_000_000, max_incidence: float | None = None,
         socp_every_box: bool = False, isa: str = "auto", weight: str | None = None,
-        verify: float | None = None, progress: ProgressArgument = None, fresnel: str = "none", diffuse: str = "lambert",
-        masking: str = "v-cavity") -> Fit:
+        verify: float | None = None, progress: ProgressArgument = None, fresnel: str | None = None,
+        diffuse: str | None = None, masking: str | None = None, model: str | None = None) -> Fit:
     """Fit a model to samples (or to a file of them) and prove how close to the best it is.
 
-    Options are explained at `Options`.
+    Options are explained at `Options`; those that are None are the model's, or else as there.
 
+    model: a preset ("principled", "disney", "paper", "cook-torrance", "phong"), or a form by the name that `compare` has for it
+        ("2beckmann", "ggx/smith/schlick"): it stands for options, and those that are given beside it go before
     weight: what samples count for, as of `Samples.weighted`; None: the weights that they have
     verify: prove the bound again with engine socp, less this margin (0.1: 10 %): `Fit.verify` says what came of it
     progress: called with a `Progress` every 256 boxes, a true return value stops the search (the fit is valid all
@@ -305,14 +307,26 @@ def fit(samples: SamplesLike, *, lobes: int | Sequence[str] = 1, distribution: s
     Raises a `BrdffitError`. A search that stops early is not an error: see `Fit.status`. Thread-safe, and threads run
     at the same time; the result has the same bits in each.
     """
-    options = Options(lobes, distribution, norm, engine, normalise, sigma_range, exponent_range, relative_gap,
-                      absolute_gap, sigma_resolution, box_budget, max_incidence, socp_every_box, isa, fresnel, diffuse, masking)
+    form = _forms.under(model, lobes=lobes, distribution=distribution, max_incidence=max_incidence, fresnel=fresnel,
+                        diffuse=diffuse, masking=masking)
+    options = Options(norm=norm, engine=engine, normalise=normalise, sigma_range=sigma_range, exponent_range=exponent_range,
+                      relative_gap=relative_gap, absolute_gap=absolute_gap, sigma_resolution=sigma_resolution,
+                      box_budget=box_budget, socp_every_box=socp_every_box, isa=isa, **form)
     began = time.perf_counter()
-    data = samples if isinstance(samples, Samples) else Samples.from_file(samples)
+    data = samples if isinstance(samples, Samples) else _read(samples, model)
     read = {} if data is samples else {"read": time.perf_counter() - began}
     if weight is not None:
         data = data.weighted(weight)
     return run(data, options, verify, progress, read)
+
+
+def _read(path: str | os.PathLike[str], model: str | None) -> Samples:
+    """A file; of a MERL table the directions that the model's preset asks for."""
+    data = Samples.from_file(path)
+    preset = None if model is None else _forms.PRESETS.get(model)
+    if preset is None or preset.merl_samples is None or data.format != "merl":
+        return data
+    return Samples.from_merl(path, samples=preset.merl_samples)
 
 
 def run(samples: Samples, options: Options, verify: float | None, progress: ProgressArgument,

@@ -19,9 +19,9 @@ import numpy as np
 from .. import _lobes, _terms
 from .. import _structs as structs
 from .._ffi import library
+from .._forms import MODELS
 from .._version import __version__
 from .._words import readable
-from ..compare import MODELS
 from ..errors import BrdffitError, FileError, OptionError
 from ..options import Options
 from ..progress import Bar
