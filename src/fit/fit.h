@@ -56,6 +56,7 @@ struct fit {
     struct l1_linf restricted; /* norms l1 and linf only */
     struct varpro varpro;
     brdffit_norm norm;
+    int physical; /* whether this search keeps to physical bounds: the second one of such a fit */
     struct domain domain[BRDFFIT_MAX_LOBES]; /* one an axis */
     struct handout *handout;
     struct lobe_kind vanished[KINDS_MOST]; /* in the model's place of kinds of which no lobe has a finite y */
@@ -100,6 +101,9 @@ brdffit_status brdffit_fit_check_total(const struct fit *fit, const brdffit_opti
 /* Domain, first partition, engine and rules of a fit that is open. After success the engine is to be finished. */
 brdffit_status brdffit_fit_start(struct fit *fit, const brdffit_options *options, struct engine *engine,
                                  struct search_rules *rules, brdffit_error *error);
+
+/* Whether the published coefficients obey physical bounds, in exact arithmetic. */
+int brdffit_fit_is_physical(const struct fit *fit);
 
 /* All that follows the reduction, of a fit that is open; the result is fit->handout->result. */
 brdffit_status brdffit_fit_finish(struct fit *fit, const brdffit_options *options, brdffit_error *error);

@@ -233,6 +233,7 @@ static void certificate(const struct fit *f, const struct search_result *found, 
 {
     result->e2 = published->objective * scale;
     result->e2_error = published->error * scale;
+    result->e2_free = result->e2;
     result->lower_bound = found->lower_bound * (1.0 - slack_of_channels(f->data.channels)) * scale;
     result->sum_of_squares = f->data.total * scale;
     result->stop = found->stop;
@@ -369,7 +370,7 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     (void)order_lobes(&f->model, &at, h->lobe);
     if (f->norm == BRDFFIT_NORM_L2) {
         brdffit_varpro_evaluate(&f->varpro, &at, 1, &value);
-        curved = curved_lobes(f, &value, &level);
+        curved = f->physical ? 0u : curved_lobes(f, &value, &level);
     }
     flat = move_to_largest(f, &at, &level, curved);
     for (p = 0; p < o->lobes; p++) {

@@ -41,6 +41,8 @@ void brdffit_bound_moment_start(struct bound_moment *e, const struct reduced *da
 
     e->model = model;
     e->axis = axis;
+    e->limits.on = 0;
+    e->limits.raised = 0.0;
     brdffit_payment_start(&e->payment, data, model);
     brdffit_moments_start(&e->moments, data, model, kernels);
     for (kind = 0; kind < model->kinds; kind++) {
@@ -85,10 +87,16 @@ const struct interval *brdffit_bound_moment_side(struct bound_moment *e, int kin
     return refined_side(e, kind, index, useful < depth ? useful : depth);
 }
 
+/* A gain, with what limits add. */
+static double raised(const struct bound_moment *e, double gain)
+{
+    return gain + e->limits.raised;
+}
+
 /* Lower bound of E^2 of the columns that are there; never below 0, which is always true. */
 static double objective_below(const struct bound_moment *e, double gain)
 {
-    double bound = e->moments.data->total - gain - e->moments.slack;
+    double bound = e->moments.data->total - raised(e, gain) - e->moments.slack;
 
     return bound > 0.0 ? bound : 0.0;
 }
@@ -123,7 +131,7 @@ INSTANCE double meet_corners(const struct view *v, const double *gain, struct po
     int p;
 
     for (corner = 0; corner < 1u << S; corner++) {
-        double objective = total - gain[corner];
+        double objective = total - raised(v->engine, gain[corner]);
 
         if (!(objective < best) || mirrors(v, corner, S)) {
             continue;
