@@ -546,6 +546,7 @@ typedef struct brdffit_result {
     const size_t *samples_skipped; /* BRDFFIT_SKIP_COUNT counts, by brdffit_skip */
     double e2_free;           /* options.physical: e2 of the fit without physical bounds where that breaks them; else e2 */
     size_t channels_at_limit; /* and channels where the bounds hold the coefficients down; else 0 */
+    const int *at_limit;      /* K: 1 for each of these; NULL without options.physical */
 } brdffit_result;
 
 /* ---- Fit and evaluate ------------------------------------------------- */

@@ -203,16 +203,6 @@ static struct before before_of(const struct fit *f)
     return before;
 }
 
-static size_t channels_at_limit(const struct fit *f)
-{
-    size_t k, count = 0;
-
-    for (k = 0; k < f->data.channels; k++) {
-        count += f->varpro.answer[k].multiplier > 0.0;
-    }
-    return count;
-}
-
 /*
  * The free fit bounds that with physical bounds from below. Where its model obeys them it is the answer; where not, search
  * again with the bounds in every restricted problem, in the same workspace, from the samples on.
@@ -231,7 +221,6 @@ static brdffit_status make_physical(struct fit *f, const brdffit_samples *sample
     if (status == BRDFFIT_OK) {
         result = &f->handout->result;
         result->e2_free = before.e2;
-        result->channels_at_limit = channels_at_limit(f);
         result->boxes += before.boxes;
         result->nodes += before.nodes;
     }

@@ -62,6 +62,7 @@ struct fit {
     struct lobe_kind vanished[KINDS_MOST]; /* in the model's place of kinds of which no lobe has a finite y */
     double *x, *y, *rms; /* K, K x P, K: the result's arrays */
     double *f0, *x_more; /* K x P, K x (F - 1): likewise, where the model has them */
+    int *at_limit;       /* K, or NULL without physical bounds */
     double *z;           /* K x columns: published coefficients, one a column */
     double rows_error; /* how far E^2 of the rows may be from that of the samples, relative to the total: 0, but of
                               sums */

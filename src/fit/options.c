@@ -192,6 +192,7 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
     f->f0 = f->model.each > 1 ? brdffit_arena_take(arena, channels, (size_t)o->lobes * sizeof(double)) : NULL;
     f->x_more = f->model.fixed > 1 ? brdffit_arena_take(arena, channels, (size_t)(f->model.fixed - 1) * sizeof(double))
                                    : NULL;
+    f->at_limit = o->physical ? brdffit_arena_take(arena, channels, sizeof *f->at_limit) : NULL;
     brdffit_varpro_layout(&f->varpro, arena, count, channels, &f->model);
     for (kind = 0; kind < f->model.axes; kind++) {
         brdffit_axis_layout(&f->axis[kind], arena, nodes);

@@ -339,6 +339,11 @@ static void publish(struct fit *f, const brdffit_options *o)
     }
     result->channel_scale = f->data.channel_scale;
     result->rms = f->rms;
+    result->at_limit = f->at_limit;
+    for (k = 0; k < f->data.channels && f->at_limit; k++) {
+        f->at_limit[k] = f->physical && f->varpro.answer[k].multiplier > 0.0;
+        result->channels_at_limit += (size_t)f->at_limit[k];
+    }
     for (p = 0; p < f->model.lobes; p++) {
         f->handout->lobe[p].sigma_floor = sigma_floor(f, p, o);
         result->sigma_floor = fmax(result->sigma_floor, f->handout->lobe[p].sigma_floor);

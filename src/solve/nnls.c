@@ -264,9 +264,9 @@ unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double u
     return best_support(nnls, q, unit);
 }
 
-double brdffit_nnls_multiplier(const struct nnls *nnls, const double *t, const double *a)
+double brdffit_nnls_multiplier(const struct nnls *nnls, const double *t, const double *a, double unit[NNLS_COLUMNS])
 {
-    double q[NNLS_COLUMNS], unit[NNLS_COLUMNS], multiplier;
+    double q[NNLS_COLUMNS], multiplier;
 
     along_q(nnls, t, q);
     (void)brdffit_nnls_limited(nnls, q, a, unit, &multiplier);

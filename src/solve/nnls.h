@@ -79,8 +79,8 @@ void brdffit_nnls_factor_gram(struct nnls *nnls, int columns, double cosine[NNLS
 /* Writes unit-column coefficients and returns their support. */
 unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double unit[NNLS_COLUMNS]);
 
-/* The multiplier of a.unit <= 1 with the same t; 0 where that does not bind. */
-double brdffit_nnls_multiplier(const struct nnls *nnls, const double *t, const double *a);
+/* The same with a.unit <= 1; returns the multiplier of that, 0 where it does not bind. */
+double brdffit_nnls_multiplier(const struct nnls *nnls, const double *t, const double *a, double unit[NNLS_COLUMNS]);
 
 /* R(t, M); cosines 01, 02, .., 12, .., each in [0, 1]. 2 to 7 columns. */
 double brdffit_nnls_gain(int columns, const double *cosine, const double *t);

@@ -211,10 +211,10 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
     job->one_lobe_e2 = job->one_lobe_fitted ? result->e2 : 0;
 }
 
-/* Sums have weight 1 throughout. */
+/* Sums have weight 1 throughout, and no physical bounds. */
 static int fits_sums(const struct cli_settings *settings)
 {
-    return settings->verify == NULL && (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
+    return settings->verify == NULL && !settings->physical && (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
 }
 
 static void weigh(struct cli_job *job, const struct cli_settings *settings)

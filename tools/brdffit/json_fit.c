@@ -126,7 +126,19 @@ static void exponents(struct cli_json *json, const brdffit_result *result)
     brdffit_cli_json_close(json, ']');
 }
 
-static void parameters(struct cli_json *json, const brdffit_result *result)
+/* With --physical: what the bounds do. */
+static void physical(struct cli_json *json, const brdffit_result *result, const brdffit_options *options)
+{
+    if (!options->physical) {
+        return;
+    }
+    brdffit_cli_json_open(json, "physical", '{');
+    brdffit_cli_json_count(json, "channels_at_limit", result->channels_at_limit);
+    brdffit_cli_json_number(json, "e2_free", result->e2_free);
+    brdffit_cli_json_close(json, '}');
+}
+
+static void parameters(struct cli_json *json, const brdffit_result *result, const brdffit_options *options)
 {
     const brdffit_model *const model = result->model;
     const size_t lobes = (size_t)model->lobes;
@@ -142,6 +154,7 @@ static void parameters(struct cli_json *json, const brdffit_result *result)
     brdffit_cli_json_number(json, "e2", result->e2);
     brdffit_cli_json_number(json, "objective", result->e2);
     brdffit_cli_json_number(json, "e2_error", result->e2_error);
+    physical(json, result, options);
     brdffit_cli_json_number(json, "lower_bound", result->lower_bound);
     brdffit_cli_json_number(json, "gap", result->gap);
     brdffit_cli_json_numbers(json, "rms", result->rms, model->channels);
@@ -298,7 +311,7 @@ static void verification(struct cli_json *json, const struct cli_job *job)
 static void result_members(struct cli_json *json, const struct cli_job *job, const struct cli_fitter *fitter)
 {
     const brdffit_result *const result = job->result;
-    parameters(json, result);
+    parameters(json, result, &fitter->options);
     brdffit_cli_json_count(json, "samples_used", result->samples_used);
     brdffit_cli_json_skipped(json, result->samples_skipped, job->table);
     brdffit_cli_json_count(json, "boxes", result->boxes);

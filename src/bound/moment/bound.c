@@ -189,6 +189,16 @@ static uint32_t most_lifted(const double *lift, int sides)
     return (uint32_t)most;
 }
 
+/* What a side's limits cost beside its shifts. */
+static void add_losses(const struct bound_moment *e, double *lift, int sides)
+{
+    int p;
+
+    for (p = 0; p < sides && e->limits.on; p++) {
+        lift[p] += e->limits.loss[p];
+    }
+}
+
 /*
  * The bound by shifts into box->bound: by the highest corner where that closes the box already, with no need to know the
  * maximum between them, nor which side to split. Returns the best objective met, 0 or more shifts usable in *lifts.
@@ -241,7 +251,7 @@ INSTANCE double bound_refining(struct bound_moment *e, struct box *box, double c
 INSTANCE double bound_sides(struct bound_moment *e, struct box *box, struct point *met, const int F, const int Q,
                             const int S)
 {
-    double cutoff = box->bound, best, lift[SIDES_MOST], vertex;
+    double cutoff = box->bound, best, lift[SIDES_MOST] = {0.0}, vertex;
     struct view v;
     int chords = 0;
 
@@ -258,6 +268,7 @@ INSTANCE double bound_sides(struct bound_moment *e, struct box *box, struct poin
     if (S == 1 || !narrow(&v, S)) {
         box->bound = larger(vertex, objective_below(e, monotone(&v, F, Q, S)));
     }
+    add_losses(e, lift, S);
     /* Split the side whose shift costs most at a corner; the widest one where the chord is useless. */
     box->split = chords && vertex == box->bound ? most_lifted(lift, S) : widest(&v, S);
     return best;

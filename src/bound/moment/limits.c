@@ -12,13 +12,21 @@
  *     ln a = const - ln |g^| - ln D,      D(s) = lambda(s) phi(s, c_min) conversion(s):
  *
  *     -ln |g^| is concave, because phi is log-convex in u, and |g^| too;
- *     -ln D has a second derivative by u of at most 2 / u^2 + (k (1 + k s))^2, u = s / (1 + k s) (exponential lobes: k = 0,
- *     ln lambda(s) = ln(s + const) and ln phi = -c_min s. GGX, k = c_min: D = u (1 - k u). Smith's conversion adds at most
- *     1 / u^2, with smith.h's k),
+ *     -ln D is concave, but for at most 2 (-ln u) and -ln(1 - k u), u = s / (1 + k s). Exponential lobes: k = 0,
+ *     ln lambda(s) = ln(s + const), and ln phi = -c_min s is linear. GGX, k = c_min: D = u (1 - k u). Smith's conversion makes
+ *     it 2 ln u at most, with smith.h's k.
  *
- * so that ln a is above its chord less w d, d = width^2 / 8 of that, and a above its own less w (d + L^2 / 8) max a, L the
- * change of ln a: the exponential of a chord is below its chord by no more. Where that is of no use, a is replaced by
- * its infimum, a constant: |g^| and phi at the low end, lambda and conversion at the high one.
+ * How far a convex f with f(0) = f(1) = 0 lies below 0 over [0, 1], divided by w: at most |f'(0)| / 4 where f'' falls and
+ * |f'(1)| / 4 where it rises. For with h = f'' falling,
+ *     -f(x) / (x (1 - x)) = (1 / x) int_0^x t h + (1 / (1 - x)) int_x^1 (1 - t) h  <=  int_0^1 (1 - t) h = |f'(0)|:
+ * the difference is int_0^x [1 - t - t / x] h - x / (1 - x) int_x^1 (1 - t) h, the first at least h(x) x (1 - x) / 2, the
+ * second at most that. So with r = u_high / u_low and q = (1 - k u_low) / (1 - k u_high) = (1 + k s_high) / (1 + k s_low),
+ *
+ *     ln a is above its chord less w d,  d = [2 (r - 1 - ln r) + (q - 1 - ln q)] / 4,
+ *     a is above its chord less w [d + (ln p - 1 + 1 / p) / 4] max a,  p the ratio of its ends: exp of a chord likewise.
+ *
+ * Where that is of no use, a is replaced by its infimum, a constant: |g^| and phi at the low end, lambda and conversion at
+ * the high one. A lambda is that of what is used instead of a.
  *
  * Rounding. a is taken lower by TOL_CURVATURE: its exponents (up to 709) make 1e-12 of it, those of the ends' theta 4e-11.
  * What is taken off t is less by rounding than it should be, never more. t below -|I| counts as -|I|: a raise, as far as
@@ -27,6 +35,7 @@
 #include "bound/moment/limits.h"
 
 #include "base/exp.h"
+#include "base/log.h"
 #include "bound/moment/view.h"
 #include "data/physical.h"
 
@@ -67,22 +76,29 @@ static double end_of(const struct view *v, int c, int high)
         .coordinate[high ? side->high_index : side->low_index];
 }
 
+/* x - 1 - ln x, rounded up. */
+static double excess(double x)
+{
+    return larger(0.0, x - 1.0 - kernel_log(x)) + TOL_CURVATURE;
+}
+
 static void open_count(const struct view *v, int c, struct count *out)
 {
     const struct kind_moments *m = &v->engine->moments.kind[model_kind_of(v->engine->model, c)];
     const struct interval *side = v->column[c];
-    double low = end_of(v, c, 0), high = end_of(v, c, 1), u = side->low->u, width = side->high->u - u;
-    double k = (kernel_exp(high) / side->high->u - 1.0 + TOL_CURVATURE) / side->high->u;
+    double low = end_of(v, c, 0), high = end_of(v, c, 1), r = side->high->u / side->low->u;
+    double q = kernel_exp(high - low) / r;
 
     out->end[0] = brdffit_physical_lobe(m->kind, m->table, low);
     out->end[1] = brdffit_physical_lobe(m->kind, m->table, high);
     out->least = brdffit_physical_least(m->kind, m->table, low, high);
     out->norm[0] = side->low->root;
     out->norm[1] = side->high->root;
-    out->allowance = UP * (width * width / 8.0) * (2.0 / (u * u) + k * k);
+    out->allowance = 0.25 * UP * (2.0 * excess(larger(r, 1.0)) + excess(larger(q, 1.0)));
 }
 
-/* A channel's a of a column over the box. */
+/* A channel's a of a column over the box: at its ends, its infimum, and how far it may be below its chord; infinite
+ * where that is not used. */
 struct slope {
     double end[2], least, lift;
 };
@@ -104,20 +120,26 @@ static struct slope slope_of(const struct view *v, const struct count *count, si
     struct slope a = {{unit_of(v, count->end[0], count->norm[0], k), unit_of(v, count->end[1], count->norm[1], k)},
                       unit_of(v, count->least, count->norm[0], k),
                       0.0};
-    double most = larger(a.end[0], a.end[1]), least = smaller(a.end[0], a.end[1]), change;
+    double most = larger(a.end[0], a.end[1]), least = smaller(a.end[0], a.end[1]), p;
 
-    if (!(count->norm[0] > 0.0 && count->norm[1] > 0.0) || !(most < 2.0 * least)) {
+    if (!(count->norm[0] > 0.0 && count->norm[1] > 0.0 && least > 0.0)) {
         a.lift = INFINITY;
         return a;
     }
-    change = most / least - 1.0; /* not less than that of ln a */
-    a.lift = UP * most * (count->allowance + change * change / 8.0);
+    p = least / most; /* ln(1 / p) - 1 + p */
+    a.lift = UP * most * (count->allowance + 0.25 * excess(p));
     if (a.lift <= CHORD_MOST * most) {
         a.least = larger(a.least, least - a.lift);
     } else {
         a.lift = INFINITY;
     }
     return a;
+}
+
+/* What is used of it at an end. */
+static double used(const struct slope *a, int high)
+{
+    return a->lift < INFINITY ? a->end[high] : a->least;
 }
 
 /* t less lambda a / 2, rounded up, and not below -|I|. */
@@ -128,8 +150,8 @@ static double lowered(double t, double multiplier, double a, double norm)
     return larger((t - off) + 8.0 * TOL_UNIT * (fabs(t) + off), -norm);
 }
 
-/* The multiplier of channel k at the lowest or highest corner. */
-static double multiplier_at(const struct view *v, const struct nnls *nnls, const double *a, int high, size_t k)
+/* Channel k at the lowest or highest corner: its multiplier, and its coefficients. */
+static double multiplier_at(const struct view *v, const struct nnls *nnls, const double *a, int high, size_t k, double *unit)
 {
     double t[COLUMNS_MOST], norm = v->engine->moments.norm[k], out;
     int c, F = v->engine->model->fixed;
@@ -137,7 +159,7 @@ static double multiplier_at(const struct view *v, const struct nnls *nnls, const
     for (c = 0; c < v->engine->model->columns; c++) {
         t[c] = c < F ? v->gains.omega[c][k] : v->gains.tau[c - F][high][k];
     }
-    out = brdffit_nnls_multiplier(nnls, t, a);
+    out = brdffit_nnls_multiplier(nnls, t, a, unit);
     return out > 0.0 ? smaller(out, norm * norm) : 0.0;
 }
 
@@ -185,20 +207,37 @@ static void open_channel(const struct view *v, const struct count *count, size_t
     }
     for (c = 0; c < v->engine->model->columns - F; c++) {
         slope[c] = slope_of(v, &count[c], k);
-        corner[0][F + c] = slope[c].end[0];
-        corner[1][F + c] = slope[c].end[1];
+        corner[0][F + c] = used(&slope[c], 0);
+        corner[1][F + c] = used(&slope[c], 1);
+    }
+}
+
+/* What constants in the place of slopes cost at a corner with these coefficients. */
+static void add_loss(struct view *v, const struct slope *slope, int high, double multiplier, const double *unit)
+{
+    const struct model *model = v->engine->model;
+    int c;
+
+    for (c = 0; c < model->columns - model->fixed; c++) {
+        double off = slope[c].end[high] - used(&slope[c], high);
+
+        v->engine->limits.loss[model_lobe_of(model, c)] += multiplier * off * unit[model->fixed + c];
     }
 }
 
 static double apply_channel(struct view *v, const struct nnls *nnls, const struct count *count, size_t k)
 {
     struct limits *l = &v->engine->limits;
-    double a[2][COLUMNS_MOST];
+    double a[2][COLUMNS_MOST], unit[NNLS_COLUMNS], at[2];
     struct slope slope[MOVING_MOST];
-    int c, F = v->engine->model->fixed;
+    int c, high, F = v->engine->model->fixed;
 
     open_channel(v, count, k, a, slope);
-    l->multiplier[k] = 0.5 * (multiplier_at(v, &nnls[0], a[0], 0, k) + multiplier_at(v, &nnls[1], a[1], 1, k));
+    for (high = 0; high < 2; high++) {
+        at[high] = multiplier_at(v, &nnls[high], a[high], high, k, unit);
+        add_loss(v, slope, high, at[high], unit);
+    }
+    l->multiplier[k] = 0.5 * (at[0] + at[1]);
     for (c = 0; c < F; c++) {
         l->omega[c][k] = lowered(v->gains.omega[c][k], l->multiplier[k], a[0][c], v->engine->moments.norm[k]);
     }
@@ -219,6 +258,7 @@ void brdffit_limits_apply(struct view *v)
     int c, F = v->engine->model->fixed, moving = v->engine->model->columns - F;
 
     for (c = 0; c < moving; c++) {
+        l->loss[model_lobe_of(v->engine->model, c)] = 0.0;
         open_count(v, c, &count[c]);
     }
     factor_corner(v, 0, &corner[0]);
