@@ -117,6 +117,9 @@ static double kkt_residual(const struct nnls *nnls, const double *residual, cons
     for (j = 0; j < nnls->columns; j++) {
         double slope = 0.0;
 
+        if (limit && !(limit[j] <= NNLS_LIMIT_MOST)) {
+            continue;
+        }
         if (nnls->norm[j] > 0.0) {
             slope = nnls->kernels->dot(nnls->column[j], residual, nnls->rows) / nnls->scale[j] / nnls->norm[j];
         }

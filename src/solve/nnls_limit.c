@@ -13,6 +13,11 @@
 
 #include "solve/nnls_parts.h"
 
+/* Corrections after a projection, for what is left of its rounding. */
+#define NNLS_LIMIT_PASSES 2
+/* A support so close to collinear that its z exceeds the limit by more is left to its parts. */
+#define NNLS_LIMIT_OFF 1e-12
+
 /* U'^-1 a on the support. */
 static void limit_on(const struct nnls_support *s, const double *a, double *w)
 {
@@ -85,25 +90,60 @@ static void back(const struct nnls_support *s, const double *v, double *z)
     }
 }
 
+/* a.z on the support. */
+static double count_of(const struct nnls_support *s, const double *a, const double *z)
+{
+    double sum = 0.0;
+    int j;
+
+    for (j = 0; j < s->count; j++) {
+        sum += a[s->index[j]] * z[j];
+    }
+    return sum;
+}
+
+/* U z. */
+static void forth(const struct nnls_support *s, const double *z, double *v)
+{
+    int i, j;
+
+    for (j = 0; j < s->count; j++) {
+        v[j] = 0.0;
+        for (i = j; i < s->count; i++) {
+            v[j] += s->upper[j][i] * z[i];
+        }
+    }
+}
+
+static void subtract(double *v, const double *w, double factor, int n)
+{
+    int i;
+
+    for (i = 0; i < n; i++) {
+        v[i] -= factor * w[i];
+    }
+}
+
+/* The projection in v, where no digits are lost; what its rounding leaves of a.z - most in z, where that can be told. */
 double brdffit_nnls_limit_step(const struct nnls_support *s, const double *t, int columns, const double *a, double most,
                                double *z, double *multiplier)
 {
-    double v[NNLS_COLUMNS], w[NNLS_COLUMNS], over, square;
-    int j;
+    double v[NNLS_COLUMNS], w[NNLS_COLUMNS], step[NNLS_COLUMNS], square, over;
+    int pass;
 
     project(s, t, columns, v);
     limit_on(s, a, w);
-    over = dot(w, v, s->count) - most;
     square = dot(w, w, s->count);
-    *multiplier = 0.0;
-    if (over > 0.0 && square > 0.0) {
-        *multiplier = 2.0 * (over / square);
-        for (j = 0; j < s->count; j++) {
-            v[j] -= w[j] * (over / square);
-        }
-    }
+    over = dot(w, v, s->count) - most;
+    *multiplier = over > 0.0 ? 2.0 * (over / square) : 0.0;
+    subtract(v, w, 0.5 * *multiplier, s->count);
     back(s, v, z);
-    return left_of(s, t, columns, v);
+    back(s, w, step);
+    for (pass = 0; pass < NNLS_LIMIT_PASSES && *multiplier > 0.0; pass++) {
+        subtract(z, step, (count_of(s, a, z) - most) / square, s->count);
+    }
+    forth(s, z, v);
+    return count_of(s, a, z) - most <= NNLS_LIMIT_OFF ? left_of(s, t, columns, v) : (double)INFINITY;
 }
 
 static int all_positive(const double *z, int count)
