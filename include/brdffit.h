@@ -305,10 +305,11 @@ BRDFFIT_API const char *brdffit_masking_string(brdffit_masking masking);
  * LAMBERT     l / pi
  * NONE        no column
  * OREN_NAYAR  l / pi; and l / pi max(0, cos(difference of azimuths)) sin(a) tan(b), a the larger and b the smaller
- *             polar angle (Oren and Nayar 1994, its qualitative model, whose two terms are A and B of its roughness)
+ *             polar angle (Oren and Nayar 1994, its qualitative model, whose two terms are A and B of its roughness). The
+ *             product of cosine, sine and tangent counts as 0 below 1e-12
  * BURLEY      l / pi (1 - F(l) / 2) (1 - F(v) / 2); l / pi 2 d^2 (F(l) + F(v) - F(l) F(v)); l / pi 4 d^4 F(l) F(v).
  *             With coefficients x, x r, x r^2 these are the diffuse term of Burley 2012 with roughness r, x its
- *             colour; here the three are free and not negative.
+ *             colour; here the three are free and not negative. F(t) below 1e-100 counts as 0.
  */
 typedef enum brdffit_diffuse {
     BRDFFIT_DIFFUSE_LAMBERT = 0,
@@ -521,8 +522,9 @@ typedef struct brdffit_result {
                                     the exponent from exponent_min to 1 / sigma_floor^2: sigma_min (exponent_max),
                                     unless no sample is near the mirror direction; then narrower lobes have
                                     coefficients y beyond any double (c_min / sigma^2 above about 710) and are outside
-                                    of the model. Of several kinds of lobes, the largest. INFINITY when no lobe of some
-                                    kind is left */
+                                    of the model; with SCHLICK, when a second column is below 1e-135 of its largest b (c
+                                    of the first sample with w > 0 over sigma^2 above about 310), too. Of several kinds
+                                    of lobes, the largest. INFINITY when no lobe of some kind is left */
     double sigma_tail; /* roughness below which the data see no change, so that nothing is searched there
                                     (engine moment and socp, and the norms alike); sigma_min when there is no such
                                     tail */
@@ -572,6 +574,21 @@ BRDFFIT_API void brdffit_result_free(const brdffit_result *result);
  */
 BRDFFIT_API brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *at, double *out,
                                         brdffit_error *error);
+
+/*
+ * How well samples tell the F0 of a model with SCHLICK, `model` being that of a fit of these samples with these options
+ * (NULL: defaults; max_incidence and absolute_gap are obeyed, the norm must be L2): low and high are K x P row-major, ends
+ * of the interval around model->f0 in [0, 1] within which F0 of that lobe and channel alone can be moved, with all
+ * coefficients chosen anew and sigma kept, before the channel's E^2 grows by more than 4 E^2 / (N - n), which is two
+ * standard errors when residuals are independent noise (N samples used, n columns), or by absolute_gap of its sum of
+ * squares where that is more. F0 with wide intervals (beyond 0.5, say) is not told by the directions: v.h hardly varies,
+ * and the lobe's two columns are nearly parallel. An estimate, no proof: a sigma that moved along would widen it. Of a
+ * lobe with y = 0 the interval is [0, 1]. Fails as brdffit_inspect() for samples; BRDFFIT_ERR_UNSUPPORTED without
+ * Fresnel, or for another norm. Takes some microseconds a sample.
+ */
+BRDFFIT_API brdffit_status brdffit_f0_interval(const brdffit_samples *samples, const brdffit_options *options,
+                                               const brdffit_model *model, double *low, double *high,
+                                               brdffit_error *error);
 
 /* ---- Fits in memory of the caller ------------------------------------- */
 
@@ -718,6 +735,8 @@ typedef struct brdffit_texel_results {
     size_t *where; /* count; BAD_VALUE: sample * K + channel; else BRDFFIT_NONE */
     size_t *boxes; /* count; bounded by the search */
     double *sigma_floor; /* count; of what lower_bound is proven for, as in brdffit_result or lower */
+    double *f0; /* count x K x P; zeros without Fresnel */
+    double *x_more; /* count x K x (columns - 1), of the diffuse term's further columns; of no width where it has one */
 } brdffit_texel_results;
 
 /* Zero: every array NULL. NULL is fine: nothing happens. */

@@ -19,7 +19,7 @@ PACKAGE = SOURCES / "brdffit"
 # Lowest first; a new module needs a place here. A name without pattern wins over one with.
 LAYERS = (
     ("the library", ("_version", "_structs", "_ffi", "errors")),
-    ("arguments", ("_arguments", "_arrays", "_lobes", "_weights", "_words", "options", "progress")),
+    ("arguments", ("_arguments", "_arrays", "_lobes", "_terms", "_weights", "_words", "options", "progress")),
     ("files as arrays", ("readers", "readers.*")),
     ("samples", ("samples",)),
     ("fits", ("fit", "boxes", "compare", "many", "merl", "regressor", "readers.rgl")),

@@ -53,6 +53,9 @@
 /* y = y' exp(c_min s) / lambda(s) must be a finite double: its logarithm may not exceed this (ln DBL_MAX = 709.78; the
  * rest is for the rounding of c_min s and of the sigma that is published). */
 #define LIMIT_EXPONENT 709.0
+/* Least H of a second column that has no sample at c_min (theory 7.2): the square of its largest b is about 1, and what
+ * PAIR_EXPONENT leaves out of sums, or underflows in them, is below 1e-30 of it. */
+#define LIMIT_SECOND_NORM 1e-270
 /* Below this exponent exp() and its inverse are ordinary numbers, with room for every scale that goes with them. */
 #define LIMIT_PLAIN_EXPONENT 300.0
 

@@ -31,6 +31,20 @@ const char *brdffit_texel_status_string(brdffit_texel_status status)
     return (unsigned)status < BRDFFIT_TEXEL_STATUS_COUNT ? name[status] : "unknown";
 }
 
+/* Columns of the diffuse term after the first. */
+static size_t more_columns(const brdffit_options *options)
+{
+    return (size_t)brdffit_diffuse_columns(options->diffuse) - 1;
+}
+
+static void layout_terms(struct batch_result *r, struct arena *arena, const brdffit_options *options, size_t channels)
+{
+    size_t more = more_columns(options), lobes = (size_t)options->lobes;
+
+    r->f0 = options->fresnel ? brdffit_arena_take(arena, channels, lobes * sizeof(double)) : NULL;
+    r->x_more = more ? brdffit_arena_take(arena, channels, more * sizeof(double)) : NULL;
+}
+
 void brdffit_batch_layout(struct batch *batch, struct arena *arena, const brdffit_options *options, size_t samples,
                           size_t channels)
 {
@@ -41,6 +55,7 @@ void brdffit_batch_layout(struct batch *batch, struct arena *arena, const brdffi
         batch->result[i].x = ARENA_DOUBLES(arena, channels);
         batch->result[i].y = brdffit_arena_take(arena, channels, (size_t)options->lobes * sizeof(double));
         batch->result[i].channel_scale = ARENA_DOUBLES(arena, channels);
+        layout_terms(&batch->result[i], arena, options, channels);
     }
     if (brdffit_batch_fast_possible(options)) {
         brdffit_batch_tile_layout(&batch->tile, arena, samples, channels);
@@ -104,12 +119,13 @@ void brdffit_batch_gather(const brdffit_texels *t, size_t texel, size_t samples,
     }
 }
 
+/* `from` may be NULL: zeros. */
 static void store(double *to, size_t texel, size_t width, const double *from, int fitted)
 {
     size_t j;
 
     for (j = 0; to && j < width; j++) {
-        to[texel * width + j] = fitted ? from[j] : NAN;
+        to[texel * width + j] = !fitted ? NAN : from ? from[j] : 0.0;
     }
 }
 
@@ -129,6 +145,8 @@ static void publish(const brdffit_plan *plan, const brdffit_texel_results *to, s
     store(to->lower_bound, texel, 1, &r->lower_bound, fitted);
     store(to->sum_of_squares, texel, 1, &r->sum_of_squares, fitted);
     store(to->sigma_floor, texel, 1, &r->sigma_floor, fitted);
+    store(to->f0, texel, K * P, r->f0, fitted);
+    store(to->x_more, texel, K * more_columns(&plan->options), r->x_more, fitted);
     if (to->status) {
         to->status[texel] = (unsigned char)r->status;
     }

@@ -26,6 +26,7 @@ struct batch_result {
     double e2, lower_bound, sum_of_squares, sigma_floor;
     double sigma[BRDFFIT_MAX_LOBES];
     double *x, *y, *channel_scale; /* K, K x P, K */
+    double *f0, *x_more;           /* K x P, K x (columns - 1); NULL where the model has none */
 };
 
 /* Texels that wait for their tile, those equal to one of them included. */

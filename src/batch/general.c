@@ -6,9 +6,18 @@
 #include "fit/fit.h"
 #include "batch/batch.h"
 
+static void copy(double *to, const double *from, size_t count)
+{
+    size_t i;
+
+    for (i = 0; i < count; i++) {
+        to[i] = from[i];
+    }
+}
+
 static void keep(const brdffit_plan *plan, const brdffit_result *from, struct batch_result *to)
 {
-    size_t K = plan->geometry.channels, P = (size_t)plan->options.lobes, k;
+    size_t K = plan->geometry.channels, P = (size_t)plan->options.lobes;
 
     to->status = from->certified ? BRDFFIT_TEXEL_CERTIFIED : BRDFFIT_TEXEL_OPEN;
     to->stop = from->stop;
@@ -18,15 +27,15 @@ static void keep(const brdffit_plan *plan, const brdffit_result *from, struct ba
     to->lower_bound = from->lower_bound;
     to->sum_of_squares = from->sum_of_squares;
     to->sigma_floor = from->sigma_floor;
-    for (k = 0; k < P; k++) {
-        to->sigma[k] = from->model->sigma[k];
+    copy(to->sigma, from->model->sigma, P);
+    copy(to->x, from->model->x, K);
+    copy(to->channel_scale, from->channel_scale, K);
+    copy(to->y, from->model->y, K * P);
+    if (to->f0) {
+        copy(to->f0, from->model->f0, K * P);
     }
-    for (k = 0; k < K; k++) {
-        to->x[k] = from->model->x[k];
-        to->channel_scale[k] = from->channel_scale[k];
-    }
-    for (k = 0; k < K * P; k++) {
-        to->y[k] = from->model->y[k];
+    if (to->x_more) {
+        copy(to->x_more, from->model->x_more, K * ((size_t)brdffit_diffuse_columns(plan->options.diffuse) - 1));
     }
     if (!(to->sum_of_squares > 0.0)) {
         to->status = BRDFFIT_TEXEL_NO_SIGNAL;

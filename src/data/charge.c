@@ -127,6 +127,13 @@ static void charge_hidden(struct reduced *r, struct table *t, const brdffit_samp
     c->any_c = any_least;
 }
 
+/* Of a column known to `error`, relative to the true one; a column that may vanish is not known at all, and 4 leaves
+ * nothing of any bound. */
+static double charge_column(double size, double error)
+{
+    return !(error > 0.0) ? 0.0 : error < 0.5 * size ? error / (size - error) : 4.0;
+}
+
 /* Of fixed columns what is not the error of n.l: norms of it over those of the columns. */
 static double charge_columns(const struct reduced *r, brdffit_norm norm)
 {
@@ -142,7 +149,7 @@ static double charge_columns(const struct reduced *r, brdffit_norm norm)
             size = join(size, a[i], norm);
             error = join(error, off[i], norm);
         }
-        sum += size > 0.0 ? SAFE * root_of(error, norm) / root_of(size, norm) : 0.0;
+        sum += SAFE * charge_column(root_of(size, norm), root_of(error, norm));
     }
     return sum;
 }

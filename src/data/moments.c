@@ -21,13 +21,13 @@ static size_t kept(const struct lobe_kind *kind)
     return kind->exponential ? 1 : 3;
 }
 
-static void layout_kind(struct kind_moments *m, struct arena *arena, size_t stride, size_t channels, size_t functionals,
+static void layout_kind(struct kind_moments *m, struct arena *arena, size_t stride, size_t channels, size_t fixed,
                         uint32_t nodes)
 {
     m->node = brdffit_arena_take(arena, nodes, sizeof *m->node);
     marks_layout(&m->ready, arena, nodes);
-    m->tau_pool = brdffit_arena_take(arena, nodes, channels * sizeof(double));
-    m->functional_pool = brdffit_arena_take(arena, nodes, functionals * sizeof(struct functional));
+    m->tau_pool = brdffit_arena_take(arena, nodes, (channels + fixed) * sizeof(double));
+    m->functional_pool = brdffit_arena_take(arena, nodes, (fixed + 2 * channels) * sizeof(struct functional));
     m->phi_doubles = shape_doubles(stride * kept(m->kind), nodes);
     m->phi_pool = ARENA_DOUBLES(arena, m->phi_doubles);
 }
@@ -44,12 +44,12 @@ void brdffit_moments_layout(struct moments *m, struct arena *arena, size_t count
         m->omega[i] = ARENA_DOUBLES(arena, channels);
     }
     m->norm = ARENA_DOUBLES(arena, channels);
-    m->cache = model->lobes * model->each > 1 ? brdffit_arena_take(arena, PAIR_CACHE, sizeof *m->cache) : NULL;
+    m->cached = model->lobes * model->each > 1 ? PAIR_CACHE * (uint32_t)(model->each * model->each) : 0;
+    m->cache = m->cached ? brdffit_arena_take(arena, m->cached, sizeof *m->cache) : NULL;
     for (i = 0; i < model->kinds; i++) {
         m->kind[i].kind = model->kind[i];
         m->kind[i].geometry = model->geometry[i];
-        layout_kind(&m->kind[i], arena, stride, channels, reduced_functionals(model, channels),
-                    capacity + SCRATCH_NODES);
+        layout_kind(&m->kind[i], arena, stride, channels, (size_t)model->fixed, capacity + SCRATCH_NODES);
     }
     m->scratch = ARENA_DOUBLES(arena, stride > SIZE_MAX / 64 ? SIZE_MAX / 8 : 6 * stride);
 }
@@ -100,7 +100,7 @@ void brdffit_moments_start(struct moments *m, const struct reduced *data, const 
         marks_start(&m->kind[i].ready);
     }
     if (m->cache) {
-        memset(m->cache, 0xff, PAIR_CACHE * sizeof *m->cache);
+        memset(m->cache, 0xff, m->cached * sizeof *m->cache);
     }
 }
 
@@ -227,7 +227,8 @@ const struct node *brdffit_moments_node(struct moments *m, int kind, uint32_t in
     m->evaluated++;
     own->kind->variable(&own->table->sight, theta, u);
     node->u = u[0];
-    node->tau = own->tau_pool + index * m->data->channels;
+    node->tau = own->tau_pool + index * (m->data->channels + (size_t)m->data->fixed);
+    node->kappa = node->tau + m->data->channels;
     node->functional = own->functional_pool + index * m->data->functionals;
     fill_shapes(m, own, index, node);
     phi = brdffit_moments_shape(m, kind, node, m->scratch);
@@ -256,7 +257,7 @@ void brdffit_moments_fill_pair(struct moments *m, const struct couple *at, struc
     const double *phi = brdffit_moments_shape(m, at->kind[0], p, m->scratch);
     const double *psi = brdffit_moments_shape(m, at->kind[1], q, m->scratch + data->stride);
     const double *w = reduced_cross(data, one->geometry, two->geometry);
-    int exponential = at->kind[0] == at->kind[1] && one->kind->exponential;
+    int exponential = moments_one_family(m, at->kind[0], at->kind[1]);
     double limit = exponential ? PAIR_EXPONENT / (p->u + q->u) : INFINITY, sums[3], exponent, error;
 
     pair->kinds = (uint32_t)(at->kind[0] + KINDS_MOST * at->kind[1]);
@@ -295,7 +296,7 @@ void brdffit_moments_forget(struct moments *m, int kind, uint32_t index)
     size_t i;
 
     marks_clear(&m->kind[kind].ready, index);
-    for (i = 0; m->cache && i < PAIR_CACHE; i++) {
+    for (i = 0; i < m->cached; i++) {
         if (m->cache[i].first == index || m->cache[i].second == index) {
             m->cache[i].kinds = UINT32_MAX;
         }

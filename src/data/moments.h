@@ -26,7 +26,7 @@ struct node {
     double mean;       /* of x = -ell under p = bb phi^2 / H */
     double m2, m3, m4; /* its central moments (m3 and m4 for exponential lobes only) */
     double epsilon;    /* rounding allowance of this node's sums */
-    double kappa[FIXED_MOST]; /* cosines of the fixed columns and g, lowered by epsilon */
+    double *kappa;     /* F: cosines of the fixed columns and g, lowered by epsilon */
     double *tau;       /* B: data along the normalised lobe, raised by epsilon |I_k| */
     struct functional *functional; /* as table.linear */
     double *phi;       /* stride, or NULL: see brdffit_moments_shape() */
@@ -67,10 +67,18 @@ struct moments {
     uint32_t capacity;  /* nodes of each kind */
     size_t evaluated;   /* nodes computed */
     struct pair *cache; /* direct-mapped: a hit saves a sum, a miss costs nothing else */
+    uint32_t cached;    /* places in it */
     double *scratch;    /* 4 x stride */
 };
 
+/* Places for pairs of lobes of one column each. */
 #define PAIR_CACHE 1024u
+
+/* Whether the columns of two kinds have one exponential phi, so that one sum says how x is spread under both. */
+static inline int moments_one_family(const struct moments *m, int first, int second)
+{
+    return m->kind[first].kind == m->kind[second].kind && m->kind[first].kind->exponential;
+}
 
 /* Nodes that can be asked for at any theta: one a lobe. */
 #define SCRATCH_NODES BRDFFIT_MAX_LOBES
@@ -103,7 +111,7 @@ void brdffit_moments_fill_pair(struct moments *moments, const struct couple *cou
 static inline const struct pair *brdffit_moments_pair(struct moments *m, const struct couple *at)
 {
     uint32_t kinds = (uint32_t)(at->kind[0] + KINDS_MOST * at->kind[1]), first = at->node[0], second = at->node[1];
-    struct pair *pair = &m->cache[(first * 2654435761u ^ second * 40503u ^ kinds * 97u) % PAIR_CACHE];
+    struct pair *pair = &m->cache[(first * 2654435761u ^ second * 40503u ^ kinds * 97u) % m->cached];
 
     if (pair->first != first || pair->second != second || pair->kinds != kinds) {
         brdffit_moments_fill_pair(m, at, pair);

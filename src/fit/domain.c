@@ -41,7 +41,8 @@ static double data_exponent(const struct view *v)
     return largest + kernel_log(data->value_scale) - kernel_log(v->table->scale_b);
 }
 
-/* Whether every y of a lobe at theta is a finite double; `exponent` from data_exponent(). */
+/* Whether every y of a lobe at theta is a finite double, and sums of the column are ordinary numbers; `exponent` from
+ * data_exponent(). */
 static int finite_y(const struct view *v, double theta, double exponent)
 {
     const struct reduced *data = &v->fit->data;
@@ -55,7 +56,7 @@ static int finite_y(const struct view *v, double theta, double exponent)
     }
     exponent += v->kind->exponent(v->table->c_min, s) - 0.5 * kernel_log(h) - kernel_log(v->kind->lambda(s));
     exponent -= v->kind->conversion ? kernel_log(v->kind->conversion(&v->table->sight, s)) : 0.0;
-    return h > 0.0 && exponent <= LIMIT_EXPONENT;
+    return h > (v->table->c_low > 0.0 ? LIMIT_SECOND_NORM : 0.0) && exponent <= LIMIT_EXPONENT;
 }
 
 /* Largest theta of the range with finite y, by bisection; minus infinity when there is none. */

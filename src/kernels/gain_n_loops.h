@@ -81,33 +81,53 @@ LANES_INLINE vec_mask GAIN_NAME(feasible)(const struct gram_n *g, const vec *y, 
     return positive;
 }
 
-/* R for n columns. */
+/* y of support s and its stationary value, from those of its rest. */
+LANES_INLINE void GAIN_NAME(step)(const struct gram_n *g, const vec *t, unsigned s, vec *y, vec *value,
+                                  const unsigned n)
+{
+    unsigned j = gain_last(s), i;
+    vec v = t[j];
+
+    GAIN_UNROLL
+    for (i = 0; i < n; i++) {
+        if (i < j && s >> i & 1) {
+            v -= g->lower[s][i] * y[gain_up_to(s, i)];
+        }
+    }
+    y[s] = v;
+    value[s] = value[s & ~(1u << j)] + v * v * g->inverse[s];
+}
+
+/* R for n columns: all of them first, which is the answer where their z > 0, and needs the supports of the first 1, 2, .. */
 LANES_INLINE vec GAIN_NAME(best)(const struct gram_n *g, const vec *t, const unsigned n)
 {
+    const unsigned full = (1u << n) - 1;
     vec y[GAIN_SUPPORTS], value[GAIN_SUPPORTS], best = vec_set(0.0);
+    vec_mask open;
     unsigned s, i;
 
     value[0] = best;
     GAIN_UNROLL
-    for (s = 1; s < 1u << n; s++) {
-        unsigned j = gain_last(s);
-        vec v = t[j];
-
-        GAIN_UNROLL
-        for (i = 0; i < n; i++) {
-            if (i < j && s >> i & 1) {
-                v -= g->lower[s][i] * y[gain_up_to(s, i)];
-            }
-        }
-        y[s] = v;
-        value[s] = value[s & ~(1u << j)] + v * v * g->inverse[s];
+    for (i = 0; i < n; i++) {
+        GAIN_NAME(step)(g, t, (2u << i) - 1, y, value, n);
+    }
+    open = ~(GAIN_NAME(feasible)(g, y, full, n) & (g->inverse[full] > best));
+    best = vec_select(open, best, value[full]);
+    if (!vec_any(open)) {
+        return best;
     }
     GAIN_UNROLL
-    for (i = 1; i < 1u << n; i++) {
+    for (s = 1; s < full; s++) {
+        if (s & (s + 1)) {
+            GAIN_NAME(step)(g, t, s, y, value, n);
+        }
+    }
+    GAIN_UNROLL
+    for (i = 1; i < full; i++) {
         vec_mask better;
 
-        s = (1u << n) - i;
-        better = (value[s] > best) & (g->inverse[s] > vec_set(0.0));
+        s = full - i;
+        better = open & (value[s] > best) & (g->inverse[s] > vec_set(0.0));
         if (vec_any(better)) {
             best = vec_select(better & GAIN_NAME(feasible)(g, y, s, n), value[s], best);
         }

@@ -3,6 +3,8 @@
  */
 #include "model/diffuse.h"
 
+#include <math.h>
+
 #include "base/constants.h"
 #include "base/tolerance.h"
 #include "base/vector.h"
@@ -40,40 +42,55 @@ const char *brdffit_masking_string(brdffit_masking masking)
     return (unsigned)masking < BRDFFIT_MASKING_COUNT ? names[masking] : "unknown";
 }
 
-static double fifth(double x)
-{
-    double square = x * x;
+/* F = (1 - t)^5 of Schlick, and how far it may be off: all of it where its 1 - t may count as 0 or not. */
+struct fifth {
+    double value, off;
+};
 
-    return square * square * x;
+static struct fifth fifth_of(double versine, double error)
+{
+    double square = versine * versine, value = versine < LIMIT_VERSINE ? 0.0 : square * square * versine;
+    struct fifth f = {value, value * (ENOUGH * 5.0 * error + 6.0 * TOL_UNIT)};
+
+    if (fabs(versine - LIMIT_VERSINE) <= 2.0 * error * LIMIT_VERSINE) {
+        f.off = 2.0 * (LIMIT_VERSINE * LIMIT_VERSINE) * (LIMIT_VERSINE * LIMIT_VERSINE) * LIMIT_VERSINE;
+    }
+    return f;
 }
 
 /*
  * cos(azimuths) sin(a) tan(b) = [l.v - (n.l)(n.v)] / max(n.l, n.v), with l.v = 1 - 4 t + 2 t^2 for t = 1 - v.h, since l.v =
- * 2 (v.h)^2 - 1. Its error is that of l.v (4 t times the relative one of t), of the product, and a few u.
+ * 2 (v.h)^2 - 1. Its error is that of l.v (4 t times the relative one of t), of the product, and a few u. What may be on
+ * either side of LIMIT_PRODUCT may be off by as much.
  */
 static void oren_nayar(const struct geometry_angles *g, double a, double *column, double *error)
 {
     double t = g->versine, product = g->cos_light * g->cos_view, most = larger(g->cos_light, g->cos_view);
-    double part = (1.0 - 4.0 * t + 2.0 * (t * t)) - product;
+    double part = ((1.0 - 4.0 * t + 2.0 * (t * t)) - product) / most;
     double off = 4.0 * t * g->versine_error + product * (g->light_error + g->view_error) + 8.0 * TOL_UNIT;
 
-    *column = part > 0.0 ? a * part / most : 0.0;
-    *error = ENOUGH * (a * off / most + *column * (larger(g->light_error, g->view_error) + 4.0 * TOL_UNIT));
+    off = off / most + fabs(part) * (larger(g->light_error, g->view_error) + 4.0 * TOL_UNIT);
+    *column = part > LIMIT_PRODUCT ? a * part : 0.0;
+    *error = part + 2.0 * off < LIMIT_PRODUCT   ? 0.0
+             : part - 2.0 * off > LIMIT_PRODUCT ? ENOUGH * a * off
+                                                : ENOUGH * a * (LIMIT_PRODUCT + 2.0 * off);
 }
 
-/* The three columns of Burley's term; what is taken from 1 is known to a few u, whatever it is made of. */
+/* The three columns of Burley's term. */
 static void burley(const struct geometry_angles *g, double a, double *column, double *error)
 {
-    double l = fifth(1.0 - g->cos_light), v = fifth(1.0 - g->cos_view), d = 1.0 - g->versine, both = l * v;
-    double off_l = 5.0 * g->cos_light * g->light_error + 16.0 * TOL_UNIT;
-    double off_v = 5.0 * g->cos_view * g->view_error + 16.0 * TOL_UNIT, off_d = g->versine * g->versine_error;
+    struct fifth l = fifth_of(g->versine_light, g->versine_light_error);
+    struct fifth v = fifth_of(g->versine_view, g->versine_view_error);
+    double d = 1.0 - g->versine, d2 = d * d, both = l.value * v.value, few = 16.0 * TOL_UNIT;
+    double off = 2.0 * g->difference_error; /* of d^2, relative */
 
-    column[0] = a * (1.0 - 0.5 * l) * (1.0 - 0.5 * v);
-    column[1] = a * 2.0 * (d * d) * (l + v - both);
-    column[2] = a * 4.0 * (d * d) * (d * d) * both;
-    error[0] = ENOUGH * a * (off_l + off_v);
-    error[1] = ENOUGH * a * (2.0 * (off_l + off_v) + 8.0 * off_d);
-    error[2] = ENOUGH * a * (4.0 * (off_l + off_v) + 16.0 * off_d);
+    column[0] = a * (1.0 - 0.5 * l.value) * (1.0 - 0.5 * v.value);
+    column[1] = a * 2.0 * d2 * (l.value + v.value - both);
+    column[2] = a * 4.0 * (d2 * d2) * both;
+    error[0] = ENOUGH * a * (l.off + v.off + few);
+    error[1] = ENOUGH * (a * 2.0 * d2 * (l.off + v.off) + column[1] * (off + few));
+    error[2] = ENOUGH * (a * 4.0 * (d2 * d2) * (l.off * (v.value + v.off) + v.off * l.value) +
+                         column[2] * (2.0 * off + few));
 }
 
 void brdffit_diffuse_row(brdffit_diffuse diffuse, const struct geometry *g, double column[FIXED_MOST],

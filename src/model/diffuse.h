@@ -2,7 +2,7 @@
  * Columns without a shape: the diffuse terms (theory 7.2), and Schlick's weight of second columns.
  * SPDX-License-Identifier: MIT
  *
- * Both are made of n.l, n.v and v.h. What cancels is 1 - v.h, which is kept as such (`versine`), and
+ * Both are made of n.l, n.v and v.h. What cancels is 1 - v.h, 1 - n.l and 1 - n.v, which are kept as such (`versine`), and
  * l.v - (n.l)(n.v) = sin sin cos(azimuths), whose absolute error is charged.
  */
 #ifndef BRDFFIT_DIFFUSE_H
@@ -16,8 +16,10 @@
 void brdffit_diffuse_row(brdffit_diffuse diffuse, const struct geometry *geometry, double column[FIXED_MOST],
                          double error[FIXED_MOST]);
 
-/* Below this 1 - v.h, w counts as 0 (brdffit.h). */
+/* Below this 1 - v.h, w counts as 0, and (1 - t)^5 of Burley's term below this 1 - t (brdffit.h). */
 #define LIMIT_VERSINE 1e-20
+/* Below this, cos(azimuths) sin(a) tan(b) counts as 0: rounding of directions makes 1e-15 of 0. */
+#define LIMIT_PRODUCT 1e-12
 
 /* w = (1 - v.h)^5. */
 static inline double schlick_weight(const struct geometry_angles *angles)

@@ -127,12 +127,21 @@ static double versine_of(const double l[3], const double v[3], double cos_differ
     return 0.25 * dot3(apart, apart) / (1.0 + cos_difference);
 }
 
-/* tan^2 of the angle of unit vectors, from their cross product. */
-static double tangent2(const double n[3], const double v[3], double cosine)
+/* sin^2 of the angle of unit vectors, from their cross product. */
+static double sine2_of(const double n[3], const double v[3])
 {
     double cross[3] = {n[1] * v[2] - n[2] * v[1], n[2] * v[0] - n[0] * v[2], n[0] * v[1] - n[1] * v[0]};
 
-    return dot3(cross, cross) / (cosine * cosine);
+    return dot3(cross, cross);
+}
+
+/* What sin^2 of the angle with the normal says, once the cosines are there. */
+static void tangents(double light, double view, struct geometry_angles *out)
+{
+    out->tan2_light = light / (out->cos_light * out->cos_light);
+    out->tan2_view = view / (out->cos_view * out->cos_view);
+    out->versine_light = light / (1.0 + out->cos_light);
+    out->versine_view = view / (1.0 + out->cos_view);
 }
 
 /* Angles from unit vectors. Products with a normal of +z are exact, so that leaving them out changes no bit. */
@@ -145,8 +154,7 @@ static void angles_of_units(const double l[3], const double v[3], const double *
         sine2 = h[1] * h[1] + h[0] * h[0];
         out->cos_light = l[2];
         out->cos_view = v[2];
-        out->tan2_light = (l[0] * l[0] + l[1] * l[1]) / (l[2] * l[2]);
-        out->tan2_view = (v[0] * v[0] + v[1] * v[1]) / (v[2] * v[2]);
+        tangents(l[0] * l[0] + l[1] * l[1], v[0] * v[0] + v[1] * v[1], out);
     } else {
         cross[0] = n[1] * h[2] - n[2] * h[1];
         cross[1] = n[2] * h[0] - n[0] * h[2];
@@ -155,8 +163,7 @@ static void angles_of_units(const double l[3], const double v[3], const double *
         sine2 = dot3(cross, cross);
         out->cos_light = dot3(n, l);
         out->cos_view = dot3(n, v);
-        out->tan2_light = tangent2(n, l, out->cos_light);
-        out->tan2_view = tangent2(n, v, out->cos_view);
+        tangents(sine2_of(n, l), sine2_of(n, v), out);
     }
     out->tan2_half = sine2 / (cos_half * cos_half);
     out->cos_difference = 0.5 * sqrt(dot3(h, h)); /* |l + v| = 2 cos(theta_d) for unit vectors */
@@ -197,6 +204,8 @@ static brdffit_status angles_given(const brdffit_samples *s, size_t i, struct ge
     out->versine = 1.0 - out->cos_difference;
     out->tan2_light = (1.0 - out->cos_light) * (1.0 + out->cos_light) / (out->cos_light * out->cos_light);
     out->tan2_view = (1.0 - out->cos_view) * (1.0 + out->cos_view) / (out->cos_view * out->cos_view);
+    out->versine_light = 1.0 - out->cos_light;
+    out->versine_view = 1.0 - out->cos_view;
     rounding_of_angles(out);
     if (!(fabs(out->cos_light) <= 1.0)) {
         return brdffit_fail_at(error, "cos_light is not in [-1, 1]", i, BRDFFIT_NONE, out->cos_light);

@@ -16,6 +16,8 @@ struct geometry_angles {
     double tan2_light, tan2_view; /* tan^2 of the angles with the normal */
     double versine;        /* 1 - v.h, which would cancel */
     double versine_error;  /* relative */
+    double versine_light, versine_view; /* 1 - n.l and 1 - n.v, likewise */
+    double versine_light_error, versine_view_error;
     double off_mirror;     /* 1 - r.v, r the mirrored light; not 0 only where `accurate` */
     double mirror;         /* r.v, likewise */
     int accurate;          /* off_mirror and mirror are there */

@@ -48,6 +48,14 @@ static inline double rounding_of_versine(const struct geometry_angles *g)
                        : 0.0;
 }
 
+/* 1 - cos of an angle with the normal that is known to `input`, relative: d(1 - cos) = sin times that. */
+static inline double rounding_of_side_versine(double versine, double cosine, double input)
+{
+    double sine = sqrt(versine * (1.0 + cosine));
+
+    return sine > 0.0 ? ENOUGH * (input + 16.0 * TOL_UNIT) * (1.0 + cosine) / sine + 12.0 * TOL_UNIT : 0.0;
+}
+
 /* Directions: fills the errors. `general`: a normal was given. */
 static inline void rounding_of_directions(struct geometry_angles *g, int general)
 {
@@ -80,6 +88,8 @@ static inline void rounding_of_directions(struct geometry_angles *g, int general
     g->tan2_error = ENOUGH * g->tangent_error * (2.0 * tangent + g->tangent_error);
     g->mirror_error = distance;
     g->versine_error = rounding_of_versine(g);
+    g->versine_light_error = rounding_of_side_versine(g->versine_light, g->cos_light, 0.5 * input);
+    g->versine_view_error = rounding_of_side_versine(g->versine_view, g->cos_view, 0.5 * input);
 }
 
 /* Angles that are given are exact. */
@@ -88,7 +98,7 @@ static inline void rounding_of_angles(struct geometry_angles *g)
     g->accurate = 0;
     g->light_error = g->view_error = g->difference_error = 0.0;
     g->tangent_error = g->tan2_error = g->mirror_error = 0.0;
-    g->versine_error = 2.0 * TOL_UNIT;
+    g->versine_error = g->versine_light_error = g->versine_view_error = 2.0 * TOL_UNIT;
 }
 
 /* Of 1 + tan^2 alpha, relative. */

@@ -70,12 +70,48 @@ void draw_free(struct draw *d)
     d->block = NULL;
 }
 
+/* Fresnel, diffuse and masking, of at most as many columns as there may be. */
+static void draw_model(struct draw *d)
+{
+    static const int columns[BRDFFIT_DIFFUSE_COUNT] = {1, 1, 2, 3};
+    struct fit_question *q = &d->question;
+    brdffit_options *o = &q->options;
+    int j, masked = draw_below(d, 4) > 0;
+
+    o->masking = masked ? (brdffit_masking)draw_below(d, BRDFFIT_MASKING_COUNT) : BRDFFIT_MASKING_V_CAVITY;
+    for (j = 0; j < QUAD_LOBES && o->masking != BRDFFIT_MASKING_V_CAVITY; j++) {
+        q->distribution[j] = j == 0 || q->distribution[j] != q->distribution[0] ? (brdffit_distribution)draw_below(d, 2)
+                                                                                : q->distribution[0];
+        if (j && q->distribution[j] < q->distribution[j - 1]) { /* lobes of one distribution stand together */
+            q->distribution[j] = q->distribution[j - 1];
+        }
+    }
+    o->diffuse = (brdffit_diffuse)draw_below(d, d->wide == 2 ? 2 : BRDFFIT_DIFFUSE_COUNT);
+    o->fresnel = (brdffit_fresnel)(d->wide == 2 ? 0 : draw_below(d, 3) > 0);
+    if (columns[o->diffuse] + q->lobes * (1 + (int)o->fresnel) > QUAD_COLUMNS) {
+        o->diffuse = BRDFFIT_DIFFUSE_LAMBERT;
+    }
+}
+
+/* So many that the judge of L1 and LINF may enumerate. */
+static int few_columns(const struct draw *d)
+{
+    static const int columns[BRDFFIT_DIFFUSE_COUNT] = {1, 1, 2, 3};
+    const brdffit_options *o = &d->question.options;
+
+    return columns[o->diffuse] + d->question.lobes * (1 + (int)o->fresnel) <= 4;
+}
+
 void draw_shape(struct draw *d, size_t count, size_t channels, size_t texels, brdffit_form form)
 {
     brdffit_samples *s = &d->samples;
-    double *next = d->block = calloc(count * (17 + channels * texels) + 1, sizeof *next);
+    double *next;
     int j, lobes = 1 + (int)draw_below(d, DRAW_LOBES), mixed = draw_one_in(d, 3);
 
+    if (d->wide && form == BRDFFIT_FORM_COEFFICIENTS) { /* these have no angles */
+        form = (brdffit_form)draw_below(d, 2);
+    }
+    next = d->block = calloc(count * (17 + channels * texels) + 1, sizeof *next);
     if (!next) {
         abort();
     }
@@ -104,6 +140,9 @@ void draw_shape(struct draw *d, size_t count, size_t channels, size_t texels, br
         d->question.distribution[j] = (brdffit_distribution)((int)d->question.distribution[j - 1] +
                                                              (int)draw_below(d, (size_t)rest));
     }
+    if (d->wide) {
+        draw_model(d);
+    }
 }
 
 static brdffit_isa any_isa(struct draw *d)
@@ -128,7 +167,7 @@ void draw_options(struct draw *d)
         o->box_budget = 200;
     }
     if (d->samples.count <= LP_COUNT && d->samples.channels <= LP_CHANNELS && d->question.lobes <= 2 &&
-        draw_one_in(d, 6)) {
+        few_columns(d) && draw_one_in(d, 6)) {
         o->norm = draw_one_in(d, 2) ? BRDFFIT_NORM_L1 : BRDFFIT_NORM_LINF;
         o->box_budget = 60;
     }
@@ -193,12 +232,13 @@ static void radiance(struct draw *d, const struct quad_problem *p, const size_t 
     size_t i;
     int j;
 
-    for (j = 0; j <= p->lobes; j++) {
-        z[j] = j == 0 ? draw_one_in(d, 5) || d->no_diffuse ? 0.0 : draw_uniform(d, 0.2, 1.0) : draw_power(d, -2.0, 3.0);
-        s[j ? j - 1 : 0] = quad_s(low * pow(high / low, draw_uniform(d, 0.0, 1.0)));
+    for (j = 0; j < p->columns; j++) {
+        z[j] = j < p->fixed ? draw_one_in(d, 5) || d->no_diffuse ? 0.0 : draw_uniform(d, 0.2, 1.0)
+                            : draw_power(d, -2.0, 3.0);
+        s[j < p->fixed ? 0 : (j - p->fixed) / p->each] = quad_s(low * pow(high / low, draw_uniform(d, 0.0, 1.0)));
     }
     quad_columns(p, s, p->column);
-    for (j = 0; j <= p->lobes; j++) {
+    for (j = 0; j < p->columns; j++) {
         quad largest = 0;
 
         for (i = 0; i < p->count; i++) {
@@ -209,7 +249,7 @@ static void radiance(struct draw *d, const struct quad_problem *p, const size_t 
     for (i = 0; i < d->samples.count; i++) {
         quad sum = 0;
 
-        for (j = 0; j <= p->lobes && row[i] != BRDFFIT_NONE; j++) {
+        for (j = 0; j < p->columns && row[i] != BRDFFIT_NONE; j++) {
             sum += z[j] * p->column[(size_t)j * p->count + row[i]];
         }
         out[i] = row[i] == BRDFFIT_NONE ? draw_uniform(d, 0.0, 1.0) : (double)(sum / p->to_radiance[row[i]]);
@@ -225,8 +265,7 @@ static void find_rows(const struct draw *d, const struct quad_problem *p, size_t
         brdffit_skip why;
         int doubtful = 0;
 
-        row[i] = quad_row(&d->samples, i, p->lobe[0].distribution, d->question.options.max_incidence, &ignored, &why,
-                          &doubtful)
+        row[i] = quad_row(&d->samples, i, p->lobe[0].distribution, &d->question.options, &ignored, &why, &doubtful)
                      ? next++
                      : BRDFFIT_NONE;
     }
@@ -241,7 +280,8 @@ void draw_truth(struct draw *d, double low, double high, double noise)
 
     memcpy(distribution, d->question.distribution, sizeof distribution);
     if (draw_one_in(d, 4)) {
-        distribution[0] = (brdffit_distribution)draw_below(d, BRDFFIT_DISTRIBUTION_COUNT);
+        distribution[0] = (brdffit_distribution)draw_below(d, d->question.options.masking ? 2
+                                                                                          : BRDFFIT_DISTRIBUTION_COUNT);
     }
     if (!row || !one ||
         quad_problem_new(&p, &d->samples, &d->question.options, 1 + (int)draw_below(d, 2), distribution)) {

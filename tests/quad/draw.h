@@ -24,6 +24,7 @@ struct draw {
     size_t groups, texels;
     int bits;
     int no_diffuse; /* of the truth */
+    int wide; /* of any Fresnel, diffuse and masking; 2: of one fixed column and one a lobe */
     /* What samples points at, writable; values of all texels, samples.values those of the first. */
     double *light, *view, *normal, *cos_light, *cos_view, *tan2_half, *cos_difference, *a, *b, *c, *weights, *values;
     double *block;

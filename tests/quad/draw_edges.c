@@ -8,7 +8,7 @@
 #include "draw_families.h"
 
 /* Gaps down to 1e-13 of problems that fit well, badly and exactly, without an absolute gap. */
-static void draw_gaps(struct draw *d)
+void draw_gaps(struct draw *d)
 {
     draw_ordinary(d);
     d->question.options.relative_gap = draw_power(d, -13.0, -5.0);
@@ -116,7 +116,7 @@ static void tilt(struct draw *d, size_t i)
     memcpy(d->normal + 3 * i, frame[2], sizeof frame[2]);
 }
 
-static void draw_grazing(struct draw *d)
+void draw_grazing(struct draw *d)
 {
     size_t i;
     int normals;
@@ -181,7 +181,7 @@ static void draw_lafortune(struct draw *d)
 }
 
 /* Data that fit exactly, vanish, repeat, are negative; one sample. */
-static void draw_degenerate(struct draw *d)
+void draw_degenerate(struct draw *d)
 {
     size_t i, kind = draw_below(d, 5);
 
@@ -217,13 +217,14 @@ static void draw_sums(struct draw *d)
     d->groups = bins ? 16 + 8 * draw_below(d, 12) + ((size_t)16 << d->bits) : n;
 }
 
-static void draw_batch(struct draw *d)
+void draw_batch(struct draw *d)
 {
     static void (*const geometry[])(struct draw *) = {draw_ordinary, draw_no_mirror, draw_near_equal, draw_relative};
     size_t t, i, length, texels = 1 + draw_below(d, 6);
     struct draw one = *d;
 
     geometry[draw_below(d, 4)](&one);
+    d->wide = 0; /* the question is that of `one` */
     draw_shape(d, one.samples.count, one.samples.channels, texels, one.samples.form);
     length = one.samples.count * one.samples.channels;
     memcpy(d->block, one.block, (size_t)(one.values - one.block) * sizeof *d->block);
@@ -247,11 +248,24 @@ static void draw_batch(struct draw *d)
 }
 
 const struct draw_family draw_families[] = {
-    {"ordinary", draw_ordinary},     {"relative", draw_relative},   {"spans", draw_spans},
-    {"units", draw_units},           {"no_mirror", draw_no_mirror}, {"near_equal", draw_near_equal},
-    {"channels", draw_channels},     {"gaps", draw_gaps},           {"ends", draw_ends},
-    {"subnormal", draw_subnormal},   {"grazing", draw_grazing},     {"lafortune", draw_lafortune},
-    {"degenerate", draw_degenerate}, {"sums", draw_sums},           {"batch", draw_batch},
+    {"ordinary", draw_ordinary},
+    {"relative", draw_relative},
+    {"spans", draw_spans},
+    {"units", draw_units},
+    {"no_mirror", draw_no_mirror},
+    {"near_equal", draw_near_equal},
+    {"channels", draw_channels},
+    {"gaps", draw_gaps},
+    {"ends", draw_ends},
+    {"subnormal", draw_subnormal},
+    {"grazing", draw_grazing},
+    {"lafortune", draw_lafortune},
+    {"degenerate", draw_degenerate},
+    {"sums", draw_sums},
+    {"batch", draw_batch},
+    {"columns", draw_columns},
+    {"col_edges", draw_columns_edges},
+    {"col_batch", draw_columns_batch},
 };
 
 const int draw_family_count = (int)(sizeof draw_families / sizeof draw_families[0]);

@@ -23,8 +23,10 @@ static void print_options(const struct draw *d, FILE *to)
     for (j = 0; j < d->question.lobes; j++) {
         fprintf(to, " %s", brdffit_distribution_string(d->question.distribution[j]));
     }
-    fprintf(to, "; norm %s; engine %s; normalise %s; quantity %s\n", brdffit_norm_string(o->norm),
-            brdffit_engine_string(o->engine), o->normalise == BRDFFIT_NORMALISE_NONE ? "none" : "max",
+    fprintf(to, "; norm %s; engine %s; fresnel %s; diffuse %s; masking %s; normalise %s; quantity %s\n",
+            brdffit_norm_string(o->norm), brdffit_engine_string(o->engine), brdffit_fresnel_string(o->fresnel),
+            brdffit_diffuse_string(o->diffuse), brdffit_masking_string(o->masking),
+            o->normalise == BRDFFIT_NORMALISE_NONE ? "none" : "max",
             d->samples.quantity == BRDFFIT_QUANTITY_BRDF ? "brdf" : "radiance");
     fprintf(to,
             "# sigma %.17g %.17g; exponent %.17g %.17g; relative_gap %.17g; absolute_gap %.17g; box_budget %zu; "

@@ -53,6 +53,21 @@ static const char *engine_name(int i)
     return brdffit_engine_string((brdffit_engine)i);
 }
 
+static const char *fresnel_name(int i)
+{
+    return brdffit_fresnel_string((brdffit_fresnel)i);
+}
+
+static const char *diffuse_name(int i)
+{
+    return brdffit_diffuse_string((brdffit_diffuse)i);
+}
+
+static const char *masking_name(int i)
+{
+    return brdffit_masking_string((brdffit_masking)i);
+}
+
 static const char *isa_name(int i)
 {
     return brdffit_isa_string((brdffit_isa)i);
@@ -84,6 +99,13 @@ static void read_names(struct draw *d, const char *line)
     }
     if (words_after(line, "; engine", word)) {
         o->engine = (brdffit_engine)find(word[0], BRDFFIT_ENGINE_COUNT, engine_name);
+    }
+    if (words_after(line, "; fresnel", word)) { /* tables from before there was one do not say */
+        o->fresnel = (brdffit_fresnel)find(word[0], BRDFFIT_FRESNEL_COUNT, fresnel_name);
+        (void)words_after(line, "; diffuse", word);
+        o->diffuse = (brdffit_diffuse)find(word[0], BRDFFIT_DIFFUSE_COUNT, diffuse_name);
+        (void)words_after(line, "; masking", word);
+        o->masking = (brdffit_masking)find(word[0], BRDFFIT_MASKING_COUNT, masking_name);
     }
     o->normalise = strstr(line, "normalise none") ? BRDFFIT_NORMALISE_NONE : BRDFFIT_NORMALISE_MAX;
     d->samples.quantity = strstr(line, "quantity brdf") ? BRDFFIT_QUANTITY_BRDF : BRDFFIT_QUANTITY_RADIANCE;

@@ -57,13 +57,14 @@ static void copy(double *to, const double *from, size_t count, int *nans)
     }
 }
 
-static void allocate_view(struct fit_view *view, int lobes, size_t channels)
+static void allocate_view(struct fit_view *view, int lobes, size_t channels, int fixed)
 {
     memset(view, 0, sizeof *view);
     view->lobes = lobes;
     view->channels = channels;
-    view->x = allocate(channels * (size_t)(2 + lobes), sizeof(double));
-    view->y = view->x + channels;
+    view->fixed = fixed;
+    view->x = allocate(channels * (size_t)(1 + fixed + 2 * lobes), sizeof(double));
+    view->y = view->x + channels * (size_t)fixed;
     view->scale = view->y + channels * (size_t)lobes;
 }
 
@@ -82,12 +83,20 @@ static int lobe_nans(const brdffit_lobe *lobe)
 static void take(struct fit_view *view, const brdffit_result *r)
 {
     double ignored[2], more[2] = {r->rms_total, r->kkt_residual};
-    size_t k;
+    int fixed = r->model->x_more ? r->model->diffuse == BRDFFIT_DIFFUSE_BURLEY ? 3 : 2 : 1;
+    size_t k, wide = (size_t)fixed;
     int j;
 
-    allocate_view(view, r->model->lobes, r->model->channels);
+    allocate_view(view, r->model->lobes, r->model->channels, fixed);
     copy(view->sigma, r->model->sigma, (size_t)view->lobes, &view->nans);
-    copy(view->x, r->model->x, view->channels, &view->nans);
+    for (k = 0; k < view->channels; k++) {
+        copy(view->x + k * wide, r->model->x + k, 1, &view->nans);
+        copy(view->x + k * wide + 1, r->model->x_more + k * (wide - 1), wide - 1, &view->nans);
+    }
+    if (r->model->f0) {
+        view->f0 = view->scale + view->channels;
+        copy(view->f0, r->model->f0, view->channels * (size_t)view->lobes, &view->nans);
+    }
     copy(view->y, r->model->y, view->channels * (size_t)view->lobes, &view->nans);
     copy(view->scale, r->channel_scale, view->channels, &view->nans);
     copy(&view->e2, &r->e2, 1, &view->nans);
@@ -213,7 +222,7 @@ static void take_texel(struct fit_view *view, const brdffit_texel_results *r, si
         return;
     }
     fit_view_new(&own, q);
-    allocate_view(view, q->lobes, channels);
+    allocate_view(view, q->lobes, channels, 1);
     copy(view->sigma, r->sigma + t * lobes, lobes, &view->nans);
     copy(view->x, r->x + t * channels, channels, &view->nans);
     copy(view->y, r->y + t * channels * lobes, channels * lobes, &view->nans);

@@ -13,7 +13,8 @@ struct fit_view {
     int lobes;
     size_t channels, used;
     double sigma[QUAD_LOBES];
-    double *x, *y, *scale; /* channels, channels x lobes, channels: copies */
+    int fixed;
+    double *x, *y, *scale, *f0; /* channels x fixed, channels x lobes, channels, channels x lobes or NULL: copies */
     double e2, e2_error, lower_bound, gap, sum_of_squares, sigma_floor;
     int binned;            /* from sums in bins: certified then speaks of e2 + e2_error */
     int certified;

@@ -35,11 +35,14 @@ static void fault(struct judgement *out, enum judge_fault kind, quad size)
 
 static void judge_numbers(const struct fit_view *v, struct judgement *out)
 {
-    size_t i, n = v->channels * (size_t)(1 + v->lobes); /* x, and y after it */
+    size_t i, n = v->channels * (size_t)(v->fixed + v->lobes); /* x, and y after it */
     int fine = v->lower_bound >= 0.0 && v->lower_bound <= v->e2 && v->e2 < INFINITY && v->gap == v->e2 - v->lower_bound;
 
     for (i = 0; i < n; i++) {
         fine = fine && v->x[i] >= 0.0 && v->x[i] < INFINITY;
+    }
+    for (i = 0; v->f0 && i < v->channels * (size_t)v->lobes; i++) {
+        fine = fine && v->f0[i] >= 0.0 && v->f0[i] <= 1.0 && (v->y[i] > 0.0 || v->f0[i] == 0.0);
     }
     if (v->nans) {
         fault(out, JUDGE_NAN, v->nans);
@@ -87,7 +90,7 @@ static void judge_scale(const struct fit_view *v, const struct fit_question *q, 
 
 static void judge_e2(const struct fit_view *v, const struct quad_problem *p, struct judgement *out)
 {
-    quad e2 = quad_at_model(p, v->sigma, v->x, v->y), off = fabsq(e2 - v->e2);
+    quad e2 = quad_at_model(p, v->sigma, v->x, v->y, v->f0), off = fabsq(e2 - v->e2);
 
     out->e2 = (double)e2;
     if (!(off <= E2_RELATIVE * e2 + E2_ABSOLUTE * p->total + v->e2_error)) {

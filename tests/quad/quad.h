@@ -20,25 +20,29 @@
 __extension__ typedef __float128 quad;
 
 #define QUAD_LOBES 3
-#define QUAD_COLUMNS (1 + QUAD_LOBES)
+#define QUAD_FIXED 3   /* columns of a diffuse term, at most */
+#define QUAD_COLUMNS 7 /* of all, at most: brdffit_options.diffuse */
 
 /* What an E^2 of ours may be too small by: relative to itself, and to that of the zero model. */
 #define QUAD_RELATIVE 1e-30
 #define QUAD_ABSOLUTE 1e-62
 
-/* A lobe of each sample: g = b lambda(s) shape(s, c). */
+/* A lobe of each sample: g = b lambda(s) shape(s, c) G(s, tan^2 of light and of viewer), and g w with Fresnel's w. */
 struct quad_lobe {
     brdffit_distribution distribution;
-    quad *b, *c; /* a row each */
-    quad c_min;  /* of rows with b > 0; 0 when there are none */
+    brdffit_masking masking;
+    quad *b, *c, *light, *view, *w; /* a row each */
+    quad c_min; /* of rows with b > 0; 0 when there are none */
 };
 
 struct quad_problem {
     size_t count, channels; /* rows: samples that are used */
     int lobes;              /* 1 to QUAD_LOBES, of any distributions */
+    int fixed, each, columns; /* columns of the diffuse term, of a lobe, of all: in that order */
+    brdffit_diffuse diffuse;
     brdffit_norm norm;
     struct quad_lobe lobe[QUAD_LOBES];
-    quad *a, *weight, *to_radiance;
+    quad *a[QUAD_FIXED], *weight, *to_radiance;
     quad *radiance;         /* channels x count, in the data's units */
     quad *data;             /* the same divided by scale */
     quad *scale;            /* channels */
@@ -51,7 +55,7 @@ struct quad_problem {
 
 /* ---- quad_rows.c: samples to rows ----------------------------------------------------------------------------- */
 
-/* As with options->distribution, norm and max_incidence, but one distribution a lobe. 0, or 1 without memory.
+/* As with options->norm, max_incidence, fresnel, diffuse and masking, but one distribution a lobe. 0, or 1 without memory.
  * Every channel_scale is 1 until quad_scale(). */
 int quad_problem_new(struct quad_problem *p, const brdffit_samples *samples, const brdffit_options *options, int lobes,
                      const brdffit_distribution *distribution);
@@ -63,9 +67,9 @@ quad quad_largest(const struct quad_problem *p, size_t channel);
 
 /* Coefficients of one sample; 1 when it counts, else 0. `doubtful` as above, incremented. */
 struct quad_row {
-    quad a, b, c, to_radiance;
+    quad a[QUAD_FIXED], b, c, light, view, w, to_radiance; /* light, view: tan^2 of their angles with the normal */
 };
-int quad_row(const brdffit_samples *samples, size_t i, brdffit_distribution distribution, double max_incidence,
+int quad_row(const brdffit_samples *samples, size_t i, brdffit_distribution distribution, const brdffit_options *options,
              struct quad_row *row, brdffit_skip *why, int *doubtful);
 
 /* Sum of n terms as if in threefold precision; the terms are destroyed. */
@@ -76,26 +80,33 @@ quad quad_sum(quad *term, int n);
 struct quad_angles {
     quad nl, nv, vh, tan2;
     quad off, rv; /* 1 - r.v and r.v of the mirrored light */
+    quad tan2_light, tan2_view, lv, versine; /* l.v; 1 - v.h */
 };
 
 int quad_by_exponent(brdffit_distribution distribution);
-/* b and c of brdffit.h's table. */
-void quad_coefficients(brdffit_distribution distribution, const struct quad_angles *angles, struct quad_row *row);
+/* b and c of brdffit.h's table, tangents and w of the row; b without V-cavities' G for another masking. */
+void quad_coefficients(brdffit_distribution distribution, brdffit_masking masking, const struct quad_angles *angles,
+                       struct quad_row *row);
 quad quad_lambda(brdffit_distribution distribution, quad s);
 /* shape(s, c) / shape(s, c_min). */
 quad quad_shape(brdffit_distribution distribution, quad s, quad c, quad c_min);
+/* The same of row i, times Smith's G where it depends on s. */
+quad quad_lobe_shape(const struct quad_lobe *lobe, quad s, size_t i);
+/* The columns of a diffuse term. */
+void quad_diffuse(brdffit_diffuse diffuse, const struct quad_angles *angles, quad *column);
 /* s = 1 / sigma^2. */
 quad quad_s(double sigma);
 
 /* ---- quad_fit.c: E^2 ------------------------------------------------------------------------------------------ */
 
-/* At a model: sigma of each lobe, x (channels), y (channels x lobes), in the data's units. */
-quad quad_at_model(const struct quad_problem *p, const double *sigma, const double *x, const double *y);
+/* At a model: sigma of each lobe, x (channels x fixed), y and f0 (channels x lobes), in the data's units. */
+quad quad_at_model(const struct quad_problem *p, const double *sigma, const double *x, const double *y,
+                   const double *f0);
 
 /* The least over coefficients >= 0 at these s; INFINITY where a coefficient would be beyond any double. */
 quad quad_at(const struct quad_problem *p, const quad *s);
 
-/* Columns a and g_j(s_j) shape / shape(c_min), `column` holds (1 + lobes) x count. */
+/* Columns a and g_j(s_j) shape / shape(c_min), `column` holds columns x count. */
 void quad_columns(const struct quad_problem *p, const quad *s, quad *column);
 
 /* Of a channel whose coefficients z (of quad_columns) are given. */

@@ -1,7 +1,7 @@
 /*
  * E^2 at a model, and the least one at given roughnesses. SPDX-License-Identifier: MIT
  *
- * Least squares with coefficients >= 0: supports (at most 15) are solved by Cholesky of unit columns, from all columns
+ * Least squares with coefficients >= 0: supports (at most 127) are solved by Cholesky of unit columns, from all columns
  * down, until one has no negative coefficient and no column outside of it that would help: that is the optimum. Where
  * rounding hides it, the best of all of them is taken. E^2 is summed from its residuals. A support that is wrong by
  * rounding costs nothing but a slightly worse point: what is returned is the E^2 of coefficients >= 0 all the same.
@@ -17,16 +17,21 @@
 
 void quad_columns(const struct quad_problem *p, const quad *s, quad *column)
 {
-    size_t i;
-    int j;
+    size_t i, n = p->count;
+    int f, j;
 
-    memcpy(column, p->a, p->count * sizeof *column);
+    for (f = 0; f < p->fixed; f++) {
+        memcpy(column + (size_t)f * n, p->a[f], n * sizeof *column);
+    }
     for (j = 0; j < p->lobes; j++) {
         const struct quad_lobe *lobe = &p->lobe[j];
-        quad *g = column + (size_t)(1 + j) * p->count;
+        quad *g = column + (size_t)(p->fixed + j * p->each) * n;
 
-        for (i = 0; i < p->count; i++) {
-            g[i] = lobe->b[i] > 0 ? lobe->b[i] * quad_shape(lobe->distribution, s[j], lobe->c[i], lobe->c_min) : 0;
+        for (i = 0; i < n; i++) {
+            g[i] = lobe->b[i] > 0 ? lobe->b[i] * quad_lobe_shape(lobe, s[j], i) : 0;
+            if (p->each > 1) {
+                g[n + i] = g[i] * lobe->w[i];
+            }
         }
     }
 }
@@ -41,7 +46,7 @@ quad quad_residual(const struct quad_problem *p, const quad *column, size_t chan
     for (i = 0; i < p->count; i++) {
         quad r = data[i];
 
-        for (j = 0; j <= p->lobes; j++) {
+        for (j = 0; j < p->columns; j++) {
             if (z[j] > 0) { /* columns may be without meaning where they are not used */
                 r -= z[j] * column[(size_t)j * p->count + i];
             }
@@ -69,10 +74,11 @@ static void factors(const struct quad_problem *p, const quad *s, quad *factor)
     }
 }
 
-quad quad_at_model(const struct quad_problem *p, const double *sigma, const double *x, const double *y)
+quad quad_at_model(const struct quad_problem *p, const double *sigma, const double *x, const double *y,
+                   const double *f0)
 {
     quad sum = 0, s[QUAD_LOBES], z[QUAD_COLUMNS], factor[QUAD_LOBES];
-    size_t k;
+    size_t k, at;
     int j;
 
     for (j = 0; j < p->lobes; j++) {
@@ -83,9 +89,18 @@ quad quad_at_model(const struct quad_problem *p, const double *sigma, const doub
     for (k = 0; k < p->channels; k++) {
         quad part;
 
-        z[0] = x[k] / p->scale[k];
+        for (j = 0; j < p->fixed; j++) {
+            z[j] = x[k * (size_t)p->fixed + (size_t)j] / p->scale[k];
+        }
         for (j = 0; j < p->lobes; j++) {
-            z[1 + j] = y[k * (size_t)p->lobes + (size_t)j] * factor[j] / p->scale[k];
+            quad *own = z + p->fixed + j * p->each;
+
+            at = k * (size_t)p->lobes + (size_t)j;
+            own[0] = y[at] * factor[j] / p->scale[k];
+            if (p->each > 1) {
+                own[1] = own[0] * (1 - (quad)f0[at]);
+                own[0] *= f0[at];
+            }
         }
         part = quad_residual(p, p->column, k, z);
         sum = p->norm == BRDFFIT_NORM_LINF ? fmaxq(sum, part) : sum + part;
@@ -158,7 +173,7 @@ static void normal_equations(const struct quad_problem *p, const quad *column, q
     size_t n = p->count, row;
     int i, j;
 
-    m->columns = 1 + p->lobes;
+    m->columns = p->columns;
     for (i = 0; i < m->columns; i++) {
         const quad *u = column + (size_t)i * n;
         quad *w = weighted + (size_t)i * n;
@@ -260,10 +275,12 @@ static quad channel_l2(const struct quad_problem *p, struct normal *m, const qua
 /* Whether x and y are finite as doubles, in the data's units; y times `factor` is what z multiplies. */
 static int finite_model(const struct quad_problem *p, const quad *factor, size_t k, const quad *z)
 {
-    int j, fine = z[0] * p->scale[k] <= DBL_MAX;
+    int j, fine = 1;
 
-    for (j = 0; j < p->lobes; j++) {
-        fine = fine && (!(z[1 + j] > 0) || z[1 + j] * p->scale[k] <= DBL_MAX * factor[j]);
+    for (j = 0; j < p->columns; j++) {
+        quad most = j < p->fixed ? DBL_MAX : DBL_MAX * factor[(j - p->fixed) / p->each];
+
+        fine = fine && (!(z[j] > 0) || z[j] * p->scale[k] <= most);
     }
     return fine;
 }

@@ -83,9 +83,9 @@ static quad best_vertex(const struct quad_problem *p, const quad *column, size_t
     v.channel = channel;
     v.linf = linf;
     v.best = quad_residual(p, column, channel, v.z);
-    for (support = 1; support < 1 << (1 + p->lobes); support++) {
+    for (support = 1; support < 1 << p->columns; support++) {
         v.columns = 0;
-        for (j = 0; j <= p->lobes; j++) {
+        for (j = 0; j < p->columns; j++) {
             if (support & (1 << j)) {
                 v.member[v.columns++] = j;
             }

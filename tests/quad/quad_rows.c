@@ -77,7 +77,7 @@ static quad mirror_numerator(const quad *n, const quad *l, const quad *v)
 
 static void from_directions(const brdffit_samples *s, size_t i, struct quad_angles *at)
 {
-    quad l[3], v[3], n[3] = {0, 0, 1}, nxl[3], nxv[3], length_l, length_v, length_n, square = 0, half = 0, nh;
+    quad l[3], v[3], n[3] = {0, 0, 1}, nxl[3], nxv[3], lxv[3], length_l, length_v, length_n, square = 0, half = 0, nh;
     int j;
 
     for (j = 0; j < 3; j++) {
@@ -102,6 +102,12 @@ static void from_directions(const brdffit_samples *s, size_t i, struct quad_angl
     nh = at->nl + at->nv;
     at->tan2 = square / (nh * nh);
     at->vh = sqrtq(half) / 2;
+    at->lv = dot(l, v) / (length_l * length_v);
+    at->tan2_light = dot(nxl, nxl) / (length_n * length_n * length_l * length_l * at->nl * at->nl);
+    at->tan2_view = dot(nxv, nxv) / (length_n * length_n * length_v * length_v * at->nv * at->nv);
+    cross(l, v, lxv);
+    at->versine = at->lv > 0 ? dot(lxv, lxv) / (4 * at->vh * at->vh * (1 + at->vh) * dot(l, l) * dot(v, v))
+                             : (1 - at->lv) / (2 * (1 + at->vh));
     at->off = ((at->nl - at->nv) * (at->nl - at->nv) + square) / 2;
     at->rv = mirror_numerator(n, l, v) / (length_n * length_n * length_l * length_v);
 }
@@ -118,6 +124,10 @@ static void from_angles(const brdffit_samples *s, size_t i, struct quad_angles *
     difference = at->nl - at->nv;
     at->off = (difference * difference + at->tan2 * sum * sum) / 2; /* r - v along n and across it */
     at->rv = 1 - at->off;
+    at->lv = 2 * at->vh * at->vh - 1;
+    at->versine = 1 - at->vh;
+    at->tan2_light = (1 - at->nl * at->nl) / (at->nl * at->nl);
+    at->tan2_view = (1 - at->nv * at->nv) / (at->nv * at->nv);
 }
 
 static int near(quad x, quad limit, double by)
@@ -141,11 +151,12 @@ static brdffit_skip classify(const brdffit_samples *s, const struct quad_angles 
                                           : BRDFFIT_SKIP_COUNT;
 }
 
-int quad_row(const brdffit_samples *s, size_t i, brdffit_distribution distribution, double max_incidence,
+int quad_row(const brdffit_samples *s, size_t i, brdffit_distribution distribution, const brdffit_options *o,
              struct quad_row *row, brdffit_skip *why, int *doubtful)
 {
     struct quad_angles at;
 
+    memset(row, 0, sizeof *row);
     *why = BRDFFIT_SKIP_COUNT;
     row->to_radiance = 1;
     if (s->weights && s->weights[i] == 0.0) {
@@ -153,7 +164,7 @@ int quad_row(const brdffit_samples *s, size_t i, brdffit_distribution distributi
         return 0;
     }
     if (s->form == BRDFFIT_FORM_COEFFICIENTS) {
-        row->a = s->a[i];
+        row->a[0] = s->a[i];
         row->b = s->b[i];
         row->c = s->c[i];
         return 1;
@@ -163,31 +174,38 @@ int quad_row(const brdffit_samples *s, size_t i, brdffit_distribution distributi
     } else {
         from_angles(s, i, &at);
     }
-    *why = classify(s, &at, max_incidence, doubtful);
+    *why = classify(s, &at, o->max_incidence, doubtful);
     if (*why != BRDFFIT_SKIP_COUNT) {
         return 0;
     }
-    quad_coefficients(distribution, &at, row);
+    quad_coefficients(distribution, o->masking, &at, row);
+    quad_diffuse(o->diffuse, &at, row->a);
     row->to_radiance = s->quantity == BRDFFIT_QUANTITY_BRDF ? at.nl : 1;
     return 1;
 }
 
 static int allocate(struct quad_problem *p, size_t n)
 {
-    size_t numbers = n * (size_t)(3 + 2 * QUAD_LOBES + 2 * QUAD_COLUMNS) + 2 * n * p->channels + p->channels;
+    size_t numbers = n * (size_t)(2 + QUAD_FIXED + 5 * QUAD_LOBES + 2 * QUAD_COLUMNS) + 2 * n * p->channels +
+                     p->channels;
     quad *next = p->block = calloc(numbers ? numbers : 1, sizeof *p->block);
     int j;
 
     if (!next) {
         return 1;
     }
-    p->a = next;
-    p->weight = next += n;
+    for (j = 0; j < QUAD_FIXED; j++, next += n) {
+        p->a[j] = next;
+    }
+    p->weight = next;
     p->to_radiance = next += n;
     next += n;
-    for (j = 0; j < QUAD_LOBES; j++, next += 2 * n) {
+    for (j = 0; j < QUAD_LOBES; j++, next += 5 * n) {
         p->lobe[j].b = next;
         p->lobe[j].c = next + n;
+        p->lobe[j].light = next + 2 * n;
+        p->lobe[j].view = next + 3 * n;
+        p->lobe[j].w = next + 4 * n;
     }
     p->column = next;
     p->radiance = next += 2 * n * QUAD_COLUMNS;
@@ -197,7 +215,7 @@ static int allocate(struct quad_problem *p, size_t n)
 }
 
 /* Sample i as the next row. */
-static void add(struct quad_problem *p, const brdffit_samples *s, size_t i, double max_incidence)
+static void add(struct quad_problem *p, const brdffit_samples *s, size_t i, const brdffit_options *o)
 {
     size_t k, row = p->count;
     struct quad_row r;
@@ -205,14 +223,19 @@ static void add(struct quad_problem *p, const brdffit_samples *s, size_t i, doub
     int j, ignored = 0;
 
     for (j = 0; j < p->lobes; j++) {
-        if (!quad_row(s, i, p->lobe[j].distribution, max_incidence, &r, &why, j ? &ignored : &p->doubtful)) {
+        if (!quad_row(s, i, p->lobe[j].distribution, o, &r, &why, j ? &ignored : &p->doubtful)) {
             p->skipped[why]++;
             return;
         }
         p->lobe[j].b[row] = r.b;
         p->lobe[j].c[row] = r.c;
+        p->lobe[j].light[row] = r.light;
+        p->lobe[j].view[row] = r.view;
+        p->lobe[j].w[row] = r.w;
     }
-    p->a[row] = r.a;
+    for (j = 0; j < QUAD_FIXED; j++) {
+        p->a[j][row] = r.a[j];
+    }
     p->weight[row] = s->weights ? (quad)s->weights[i] : 1;
     p->to_radiance[row] = r.to_radiance;
     for (k = 0; k < p->channels; k++) { /* strides of all samples until they are counted */
@@ -224,6 +247,7 @@ static void add(struct quad_problem *p, const brdffit_samples *s, size_t i, doub
 int quad_problem_new(struct quad_problem *p, const brdffit_samples *s, const brdffit_options *options, int lobes,
                      const brdffit_distribution *distribution)
 {
+    static const int diffuse_columns[BRDFFIT_DIFFUSE_COUNT] = {1, 1, 2, 3};
     size_t i, k;
     int j;
 
@@ -231,14 +255,19 @@ int quad_problem_new(struct quad_problem *p, const brdffit_samples *s, const brd
     p->channels = s->channels;
     p->lobes = lobes;
     p->norm = options->norm;
+    p->diffuse = options->diffuse;
+    p->fixed = diffuse_columns[options->diffuse];
+    p->each = options->fresnel == BRDFFIT_FRESNEL_SCHLICK ? 2 : 1;
+    p->columns = p->fixed + lobes * p->each;
     if (allocate(p, s->count)) {
         return 1;
     }
     for (j = 0; j < lobes; j++) {
         p->lobe[j].distribution = distribution[j];
+        p->lobe[j].masking = options->masking;
     }
     for (i = 0; i < s->count; i++) {
-        add(p, s, i, options->max_incidence);
+        add(p, s, i, options);
     }
     for (k = 0; k < p->channels; k++) {
         memmove(p->radiance + k * p->count, p->radiance + k * s->count, p->count * sizeof *p->radiance);

@@ -251,20 +251,23 @@ void quad_descend(struct quad_search *search, const quad *s)
 static void live_range(const struct quad_search *search, int j, quad *low, quad *high)
 {
     const struct quad_lobe *lobe = &search->problem->lobe[j];
-    quad largest = 0, least = 0, reach = lobe->distribution == BRDFFIT_GGX ? 1e10 : 60;
+    int smith = lobe->masking == BRDFFIT_MASKING_SMITH || lobe->masking == BRDFFIT_MASKING_SMITH_SEPARABLE;
+    quad largest = 0, least = 0, widest = 0, reach = lobe->distribution == BRDFFIT_GGX ? 1e10 : 60, end;
     size_t i;
 
     for (i = 0; i < search->problem->count; i++) {
         quad above = lobe->b[i] > 0 ? lobe->c[i] - lobe->c_min : 0;
 
+        widest = lobe->b[i] > 0 && smith ? fmaxq(widest, fmaxq(lobe->light[i], lobe->view[i])) : widest;
         largest = fmaxq(largest, above);
         least = above > 0 && (!(least > 0) || above < least) ? above : least;
     }
     *low = logq(search->domain.low[j]);
     *high = logq(search->domain.high[j]);
-    if (largest > 0) {
-        *high = fmaxq(*low, fminq(*high, logq(reach / least)));
-        *low = fminq(*high, fmaxq(*low, logq(1e-18 / largest)));
+    if (largest > 0 || widest > 0) { /* Smith's G changes up to a few tan^2, too */
+        end = fmaxq(least > 0 ? reach / least : 0, 4 * widest);
+        *high = fmaxq(*low, fminq(*high, logq(end)));
+        *low = smith ? *low : fminq(*high, fmaxq(*low, logq(1e-18 / largest)));
     }
 }
 

@@ -35,7 +35,7 @@ void brdffit_cli_eval_help(void)
     brdffit_cli_text_puts(&text, "\n"
                                  "Exit status: 0 done; 1 a file cannot be read or written, or memory ran\n"
                                  "out; 2 wrong usage; 3 the data or the fit cannot be used.\n");
-    fputs(brdffit_cli_text_string(&text), stdout);
+    brdffit_cli_say(brdffit_cli_text_string(&text));
     brdffit_cli_text_free(&text);
 }
 

@@ -21,7 +21,7 @@ void brdffit_cli_info_help(void)
                                  "Exit status: 0 done; 1 a file cannot be read or written, or memory ran\n"
                                  "out; 2 wrong usage; 3 a file's data cannot be used. With several files\n"
                                  "the first of 1, 2, 3 that occurred.\n");
-    fputs(brdffit_cli_text_string(&text), stdout);
+    brdffit_cli_say(brdffit_cli_text_string(&text));
     brdffit_cli_text_free(&text);
 }
 

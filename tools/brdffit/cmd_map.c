@@ -38,7 +38,7 @@ void brdffit_cli_map_help(void)
                                  "cannot be read or written, or memory ran out; 2 wrong usage; 3 some texel's, or\n"
                                  "a file's, data cannot be used; 4 a search stopped before its gap closed, or the\n"
                                  "run was interrupted. The first of 1, 2, 3, 4 that occurred.\n");
-    fputs(brdffit_cli_text_string(&text), stdout);
+    brdffit_cli_say(brdffit_cli_text_string(&text));
     brdffit_cli_text_free(&text);
 }
 

@@ -8,6 +8,7 @@
 
 #include "failure.h"
 #include "merge.h"
+#include "output.h"
 #include "settings.h"
 
 static const char work_suffix[] = ".brdffit-work";
@@ -36,7 +37,7 @@ void brdffit_cli_merge_help(void)
                                  "Exit status: that of one run without --shard; or 1 when something cannot be\n"
                                  "read or written, or memory ran out, 2 wrong usage, and 3 when the parts are not\n"
                                  "all of one run.\n");
-    fputs(brdffit_cli_text_string(&text), stdout);
+    brdffit_cli_say(brdffit_cli_text_string(&text));
     brdffit_cli_text_free(&text);
 }
 

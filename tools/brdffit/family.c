@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "lobes.h"
+#include "terms.h"
 
 int brdffit_cli_proven(const brdffit_result *result, const brdffit_options *options, int exponent, double range[2])
 {
@@ -60,6 +61,7 @@ void brdffit_cli_family(struct cli_text *text, struct cli_style style, const brd
     const char *before = brdffit_cli_lobes_differ(options) ? "with" : "and";
     if (!any_lobe(result)) {
         brdffit_cli_text_puts(text, "diffuse fit");
+        brdffit_cli_add_terms(text, options);
         return;
     }
     brdffit_cli_add_family(text, options);

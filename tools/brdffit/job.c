@@ -11,6 +11,7 @@
 
 #include "failure.h"
 #include "interrupt.h"
+#include "terms.h"
 #include "weigh.h"
 
 double brdffit_cli_clock(void)
@@ -211,10 +212,29 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
     job->one_lobe_e2 = job->one_lobe_fitted ? result->e2 : 0;
 }
 
-/* Sums have weight 1 throughout, and no physical bounds. */
-static int fits_sums(const struct cli_settings *settings)
+/* Where there is an F0, which no physical bound has a part in. A failure only leaves the statement out. */
+static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
 {
-    return settings->verify == NULL && !settings->physical && (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
+    const brdffit_model *const model = job->result->model;
+    const size_t count = model->channels * (size_t)model->lobes;
+    if (model->fresnel == BRDFFIT_FRESNEL_NONE || fitter->options.physical || fitter->options.norm != BRDFFIT_NORM_L2) {
+        return;
+    }
+    job->f0_low = calloc(count, 2 * sizeof *job->f0_low);
+    job->f0_high = job->f0_low != NULL ? job->f0_low + count : NULL;
+    if (job->f0_low != NULL && brdffit_f0_interval(job->table->samples, &fitter->options, model, job->f0_low,
+                                                   job->f0_high, NULL) != BRDFFIT_OK) {
+        free(job->f0_low);
+        job->f0_low = job->f0_high = NULL;
+    }
+}
+
+/* Sums have weight 1 throughout, and know the plain model alone, without physical bounds. */
+static int fits_sums(const struct cli_fitter *fitter)
+{
+    const struct cli_settings *const settings = fitter->settings;
+    return settings->verify == NULL && !brdffit_cli_special(&fitter->options) && !settings->physical &&
+           (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
 }
 
 static void weigh(struct cli_job *job, const struct cli_settings *settings)
@@ -225,7 +245,7 @@ static void weigh(struct cli_job *job, const struct cli_settings *settings)
 
 void brdffit_cli_job_open(struct cli_job *job, struct cli_fitter *fitter, const char *path)
 {
-    read_table(job, fitter, path, fits_sums(fitter->settings) ? &fitter->options : NULL);
+    read_table(job, fitter, path, fits_sums(fitter) ? &fitter->options : NULL);
     if (job->status == BRDFFIT_OK) {
         weigh(job, fitter->settings);
     }
@@ -244,6 +264,9 @@ void brdffit_cli_job_fit(struct cli_job *job, struct cli_fitter *fitter)
 
 void brdffit_cli_job_check(struct cli_job *job, struct cli_fitter *fitter)
 {
+    if (job->status == BRDFFIT_OK) {
+        tell_f0(job, fitter);
+    }
     if (job->status == BRDFFIT_OK && fitter->settings->verify != NULL) {
         verify(job, fitter);
     }
@@ -263,6 +286,8 @@ void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const c
 
 void brdffit_cli_job_free(struct cli_job *job)
 {
+    free(job->f0_low);
+    job->f0_low = job->f0_high = NULL;
     brdffit_io_free(job->table);
     free(job->weights);
     job->table = NULL;

@@ -51,6 +51,7 @@ struct cli_job {
         size_t channels;
         double gain, gain_most; /* from the second on: by how much BIC falls, and can fall whatever the roughness */
     } trials[BRDFFIT_MAX_LOBES]; /* with 1, 2 and 3 lobes */
+    double *f0_low, *f0_high; /* K x P each, owned: how well the samples tell F0; NULL: not known */
 };
 
 /* Load the directions that the settings name. 0, or the exit code of a

@@ -9,6 +9,7 @@
 #include "lobes.h"
 #include "lobes_auto.h"
 #include "shard.h"
+#include "terms.h"
 #include "words.h"
 
 static void place(struct cli_json *json, const char *key, size_t value, size_t add)
@@ -127,9 +128,9 @@ static void exponents(struct cli_json *json, const brdffit_result *result)
 }
 
 /* With --physical: what the bounds do. */
-static void physical(struct cli_json *json, const brdffit_result *result, const brdffit_options *options)
+static void physical(struct cli_json *json, const brdffit_result *result)
 {
-    if (!options->physical) {
+    if (result->at_limit == NULL) {
         return;
     }
     brdffit_cli_json_open(json, "physical", '{');
@@ -138,8 +139,9 @@ static void physical(struct cli_json *json, const brdffit_result *result, const 
     brdffit_cli_json_close(json, '}');
 }
 
-static void parameters(struct cli_json *json, const brdffit_result *result, const brdffit_options *options)
+static void parameters(struct cli_json *json, const struct cli_job *job)
 {
+    const brdffit_result *const result = job->result;
     const brdffit_model *const model = result->model;
     const size_t lobes = (size_t)model->lobes;
     brdffit_cli_json_numbers(json, "sigma", model->sigma, lobes);
@@ -150,11 +152,11 @@ static void parameters(struct cli_json *json, const brdffit_result *result, cons
         brdffit_cli_json_numbers(json, NULL, model->y + k * lobes, lobes);
     }
     brdffit_cli_json_close(json, ']');
+    brdffit_cli_json_terms(json, job);
     brdffit_cli_json_numbers(json, "channel_scale", result->channel_scale, model->channels);
     brdffit_cli_json_number(json, "e2", result->e2);
     brdffit_cli_json_number(json, "objective", result->e2);
     brdffit_cli_json_number(json, "e2_error", result->e2_error);
-    physical(json, result, options);
     brdffit_cli_json_number(json, "lower_bound", result->lower_bound);
     brdffit_cli_json_number(json, "gap", result->gap);
     brdffit_cli_json_numbers(json, "rms", result->rms, model->channels);
@@ -246,6 +248,7 @@ void brdffit_cli_json_lobes(struct cli_json *json, const brdffit_options *o)
         brdffit_cli_json_string(json, NULL, brdffit_distribution_string(brdffit_cli_lobe(o, p)));
     }
     brdffit_cli_json_close(json, ']');
+    brdffit_cli_json_term_names(json, o);
 }
 
 void brdffit_cli_json_options(struct cli_json *json, const brdffit_options *o)
@@ -311,7 +314,8 @@ static void verification(struct cli_json *json, const struct cli_job *job)
 static void result_members(struct cli_json *json, const struct cli_job *job, const struct cli_fitter *fitter)
 {
     const brdffit_result *const result = job->result;
-    parameters(json, result, &fitter->options);
+    parameters(json, job);
+    physical(json, result);
     brdffit_cli_json_count(json, "samples_used", result->samples_used);
     brdffit_cli_json_skipped(json, result->samples_skipped, job->table);
     brdffit_cli_json_count(json, "boxes", result->boxes);

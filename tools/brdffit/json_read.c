@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "failure.h"
+#include "terms.h"
 #include "weigh.h"
 
 /* ---- Members ----------------------------------------------------------- */
@@ -89,8 +90,66 @@ static const char *read_distributions(struct cli_fit *fit, const cJSON *object, 
     return NULL;
 }
 
+/* K rows of numbers >= 0. */
+static int rows(const cJSON *list, double *out, size_t channels, size_t width)
+{
+    if (!cJSON_IsArray(list) || (size_t)cJSON_GetArraySize(list) != channels) {
+        return 0;
+    }
+    const cJSON *row;
+    cJSON_ArrayForEach(row, list)
+    {
+        if (!numbers(row, out, width, 0)) {
+            return 0;
+        }
+        out += width;
+    }
+    return 1;
+}
+
+/* F0, K x P reflectances. */
+static int read_f0(struct cli_fit *fit, const cJSON *object, double *to)
+{
+    const size_t channels = fit->model.channels, lobes = (size_t)fit->model.lobes;
+    int good = rows(member(object, "f0"), to, channels, lobes);
+    for (size_t i = 0; good && i < channels * lobes; i++) {
+        good = to[i] <= 1;
+    }
+    fit->model.f0 = to;
+    return good;
+}
+
+/* Most coefficients of a diffuse term after the first. */
+#define MORE_MOST 2
+
+/* Fresnel, masking and the diffuse term, with their coefficients into `to`. Lines from before there were any name none. */
+static const char *read_terms(struct cli_fit *fit, const cJSON *object, double *to)
+{
+    static const char *const name[] = {"fresnel", "diffuse", "masking"};
+    static const enum cli_option_kind kind[] = {CLI_FRESNEL, CLI_DIFFUSE, CLI_MASKING};
+    int value[] = {BRDFFIT_FRESNEL_NONE, BRDFFIT_DIFFUSE_LAMBERT, BRDFFIT_MASKING_V_CAVITY};
+    for (size_t i = 0; i < 3; i++) {
+        if (!choice_member(object, name[i], brdffit_cli_term_choices(kind[i]), &value[i])) {
+            return name[i];
+        }
+    }
+    fit->model.fresnel = (brdffit_fresnel)value[0];
+    fit->model.diffuse = (brdffit_diffuse)value[1];
+    fit->model.masking = (brdffit_masking)value[2];
+    if (fit->model.fresnel != BRDFFIT_FRESNEL_NONE && !read_f0(fit, object, to)) {
+        return "f0";
+    }
+    const size_t more = brdffit_cli_more_columns(fit->model.diffuse);
+    double *const x_more = to + fit->model.channels * (size_t)fit->model.lobes;
+    if (more > MORE_MOST || (more > 0 && !rows(member(object, "x_more"), x_more, fit->model.channels, more))) {
+        return "x_more";
+    }
+    fit->model.x_more = more > 0 ? x_more : NULL;
+    return NULL;
+}
+
 /* The members that a fit cannot do without, in one block of numbers:
- * x, channel_scale, rms (K each), y (K P). Returns the name of a bad one. */
+ * x, channel_scale, rms (K each), y (K P), then f0 and x_more, of which there may be none. Returns the name of a bad one. */
 static const char *read_model(struct cli_fit *fit, const cJSON *object)
 {
     const cJSON *const lobes = member(object, "lobes");
@@ -103,7 +162,7 @@ static const char *read_model(struct cli_fit *fit, const cJSON *object)
     }
     const size_t channels = (size_t)cJSON_GetArraySize(x);
     const size_t p = (size_t)lobes->valueint;
-    fit->numbers = calloc(channels, (3 + p) * sizeof *fit->numbers);
+    fit->numbers = calloc(channels, (3 + 2 * p + MORE_MOST) * sizeof *fit->numbers);
     if (fit->numbers == NULL) {
         return "memory";
     }
@@ -134,14 +193,7 @@ static const char *read_model(struct cli_fit *fit, const cJSON *object)
     if (!numbers(member(object, "rms"), rms, channels, 0)) {
         return "rms";
     }
-    const cJSON *const rows = member(object, "y");
-    if (!cJSON_IsArray(rows) || (size_t)cJSON_GetArraySize(rows) != channels) {
-        return "y";
-    }
-    size_t k = 0;
-    const cJSON *row;
-    cJSON_ArrayForEach(row, rows) if (!numbers(row, y + p * k++, p, 0)) return "y";
-    return NULL;
+    return rows(member(object, "y"), y, channels, p) ? read_terms(fit, object, y + p * channels) : "y";
 }
 
 static const char *read_names(struct cli_fit *fit, const cJSON *object)

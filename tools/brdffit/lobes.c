@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "suggest.h"
+#include "terms.h"
 
 /* The last of these ends the list. */
 static struct cli_choice choices[BRDFFIT_DISTRIBUTION_COUNT + 1];
@@ -86,10 +87,11 @@ void brdffit_cli_add_family(struct cli_text *text, const brdffit_options *option
     if (brdffit_cli_lobes_differ(options)) {
         brdffit_cli_text_puts(text, "fit of ");
         add_kinds(text, options);
-        return;
+    } else {
+        brdffit_cli_text_printf(text, "%s fit with %d %s", brdffit_distribution_title(brdffit_cli_lobe(options, 0)),
+                                options->lobes, options->lobes == 1 ? "lobe" : "lobes");
     }
-    brdffit_cli_text_printf(text, "%s fit with %d %s", brdffit_distribution_title(brdffit_cli_lobe(options, 0)),
-                            options->lobes, options->lobes == 1 ? "lobe" : "lobes");
+    brdffit_cli_add_terms(text, options);
 }
 
 void brdffit_cli_add_names(struct cli_text *text, const brdffit_options *options)

@@ -54,8 +54,8 @@ struct cli_map {
     size_t resumed; /* tiles that were there already */
 };
 
-/* Doubles of the maps, a texel: sigma, x, y, e2, lower_bound; its status
- * follows as a byte. */
+/* Doubles of the maps, a texel: sigma, x, y, e2, lower_bound, and f0 and x_more
+ * where the model has them; its status follows as a byte. */
 size_t brdffit_cli_map_depth(const struct cli_map *map);
 
 /* Rows of a tile: the last one may have fewer. */

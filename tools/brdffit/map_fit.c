@@ -10,6 +10,7 @@
 
 #include "interrupt.h"
 #include "map.h"
+#include "terms.h"
 
 /* Texels between two looks at whether somebody wants to stop: some
  * milliseconds. Linear and cone programs take that long for one. */
@@ -23,7 +24,7 @@ struct cli_map_worker {
     double *light, *view, *normal;  /* samples x texels x 3, the last texels x 3; NULL: shared */
     double *mask_values;
     unsigned char *mask;            /* NULL: all */
-    double *out;                    /* depth x texels: sigma, x, y, e2, lower_bound */
+    double *out;                    /* depth x texels: sigma, x, y, e2, lower_bound, f0, x_more */
     unsigned char *status;
     size_t *where;
     double *own;                    /* one texel: values, light, view, normal */
@@ -190,6 +191,8 @@ static void lay_out(const struct cli_map *map, double *out, size_t texels, brdff
     r->y = r->x + texels * map->channels;
     r->e2 = r->y + texels * map->channels * lobes;
     r->lower_bound = r->e2 + texels;
+    r->f0 = map->options.fresnel ? r->lower_bound + texels : NULL;
+    r->x_more = r->lower_bound + texels * (1 + (r->f0 != NULL ? map->channels * lobes : 0));
 }
 
 /* The same results `at` texels further on. */
@@ -202,6 +205,8 @@ static brdffit_texel_results behind(const struct cli_map *map, const brdffit_tex
     r.y += at * map->channels * lobes;
     r.e2 += at;
     r.lower_bound += at;
+    r.f0 = r.f0 != NULL ? r.f0 + at * map->channels * lobes : NULL;
+    r.x_more += at * map->channels * brdffit_cli_more_columns(map->options.diffuse);
     r.status += at;
     r.where += at;
     return r;
@@ -300,6 +305,12 @@ static void publish(const struct cli_map *map, const brdffit_texel_results *to, 
     }
     for (size_t j = 0; j < map->channels * lobes; j++) {
         to->y[j] = good ? from->model->y[j] : NAN;
+    }
+    for (size_t j = 0; to->f0 != NULL && j < map->channels * lobes; j++) {
+        to->f0[j] = good ? from->model->f0[j] : NAN;
+    }
+    for (size_t j = 0; j < map->channels * brdffit_cli_more_columns(map->options.diffuse); j++) {
+        to->x_more[j] = good ? from->model->x_more[j] : NAN;
     }
     *to->e2 = good ? from->e2 : NAN;
     *to->lower_bound = good ? from->lower_bound : NAN;

@@ -9,6 +9,7 @@
 
 #include "map.h"
 #include "slurp.h"
+#include "terms.h"
 
 /* Bytes of doubles that a tile of the default size has, about. */
 #define TILE_BYTES 16e6
@@ -406,7 +407,8 @@ size_t brdffit_cli_map_rows(const struct cli_map *map, size_t tile)
 size_t brdffit_cli_map_depth(const struct cli_map *map)
 {
     const size_t lobes = (size_t)map->options.lobes;
-    return lobes + map->channels * (1 + lobes) + 2;
+    const size_t f0 = map->options.fresnel != BRDFFIT_FRESNEL_NONE ? lobes : 0;
+    return lobes + map->channels * (1 + lobes + f0 + brdffit_cli_more_columns(map->options.diffuse)) + 2;
 }
 
 int brdffit_cli_map_open(struct cli_map *map, const struct cli_settings *settings)

@@ -17,9 +17,20 @@
 #include "lobes.h"
 #include "map.h"
 #include "output.h"
+#include "terms.h"
 #include "words.h"
 
-enum field_kind { FIELD_SIGMA, FIELD_EXPONENT, FIELD_X, FIELD_Y, FIELD_E2, FIELD_BOUND, FIELD_STATUS };
+enum field_kind {
+    FIELD_SIGMA,
+    FIELD_EXPONENT,
+    FIELD_X,
+    FIELD_Y,
+    FIELD_E2,
+    FIELD_BOUND,
+    FIELD_F0,
+    FIELD_X_MORE,
+    FIELD_STATUS
+};
 
 struct field {
     enum field_kind kind;
@@ -29,7 +40,7 @@ struct field {
     size_t offset; /* doubles a texel of a tile before this one's */
 };
 
-#define FIELDS_MAX 7
+#define FIELDS_MAX 9
 
 typedef int (*sink_fn)(void *user, const void *data, size_t size);
 
@@ -56,6 +67,20 @@ static void add_field(struct writer *w, enum field_kind kind, const char *name, 
     f->offset = offset;
 }
 
+/* Where the model has them. */
+static void list_terms(struct writer *w, size_t offset)
+{
+    const size_t lobes = (size_t)w->map->options.lobes, channels = w->map->channels;
+    const size_t more = brdffit_cli_more_columns(w->map->options.diffuse);
+    if (w->map->options.fresnel != BRDFFIT_FRESNEL_NONE) {
+        add_field(w, FIELD_F0, "f0", 2, channels, lobes, offset);
+        offset += channels * lobes;
+    }
+    if (more > 0) {
+        add_field(w, FIELD_X_MORE, "x_more", 2, channels, more, offset);
+    }
+}
+
 static void list_fields(struct writer *w)
 {
     const size_t lobes = (size_t)w->map->options.lobes, channels = w->map->channels;
@@ -67,6 +92,7 @@ static void list_fields(struct writer *w)
     add_field(w, FIELD_Y, "y", 2, channels, lobes, lobes + channels);
     add_field(w, FIELD_E2, "e2", 0, 0, 0, lobes + channels + channels * lobes);
     add_field(w, FIELD_BOUND, "lower_bound", 0, 0, 0, lobes + channels + channels * lobes + 1);
+    list_terms(w, lobes + channels + channels * lobes + 2);
     add_field(w, FIELD_STATUS, "status", 0, 0, 0, 0);
 }
 
@@ -228,16 +254,15 @@ static int write_file(struct writer *w, const char *name, const struct field *f,
 /* Three channels are a colour image; otherwise each has a file, counted from 1. */
 static int write_pfm(struct writer *w, const struct field *f)
 {
-    const size_t channels = w->map->channels, lobes = (size_t)w->map->options.lobes;
-    const int colour = channels == 3 && (f->kind == FIELD_X || f->kind == FIELD_Y);
-    const size_t step = f->kind == FIELD_Y ? lobes : 1;
+    const int colour = w->map->channels == 3 && (f->kind == FIELD_X || f->dims == 2);
+    const size_t step = f->dims == 2 ? f->shape[1] : 1;
     char name[64];
     int code = 0;
     for (size_t i = 0; code == 0 && i < (colour ? step : f->width); i++) {
         if (f->width == 1 || (colour && f->kind == FIELD_X)) {
             (void)snprintf(name, sizeof name, "%s.pfm", f->name);
-        } else if (f->kind == FIELD_Y && !colour) {
-            (void)snprintf(name, sizeof name, "y_%zu_%zu.pfm", i / lobes + 1, i % lobes + 1);
+        } else if (f->dims == 2 && !colour) {
+            (void)snprintf(name, sizeof name, "%s_%zu_%zu.pfm", f->name, i / step + 1, i % step + 1);
         } else {
             (void)snprintf(name, sizeof name, "%s_%zu.pfm", f->name, i + 1);
         }

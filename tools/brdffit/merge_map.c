@@ -13,6 +13,7 @@
 #include "lobes.h"
 #include "map.h"
 #include "slurp.h"
+#include "terms.h"
 
 /* ---- The manifest ------------------------------------------------------ */
 
@@ -74,7 +75,11 @@ static int parse_lobes(struct cli_settings *s, const char *options)
 static int parse_options(struct cli_settings *s, const char *options)
 {
     const char *const budget = after(options, "--box-budget");
-    return parse_lobes(s, options) && choice(options, "--norm", brdffit_cli_norm_choices, &s->norm) &&
+    return parse_lobes(s, options) &&
+           choice(options, "--fresnel", brdffit_cli_term_choices(CLI_FRESNEL), &s->fresnel) &&
+           choice(options, "--diffuse", brdffit_cli_term_choices(CLI_DIFFUSE), &s->diffuse) &&
+           choice(options, "--masking", brdffit_cli_term_choices(CLI_MASKING), &s->masking) &&
+           choice(options, "--norm", brdffit_cli_norm_choices, &s->norm) &&
            choice(options, "--normalise", brdffit_cli_normalise_choices, &s->normalise) &&
            number(options, "--sigma-min", &s->sigma_min) && number(options, "--sigma-max", &s->sigma_max) &&
            number(options, "--exponent-min", &s->exponent_min) && number(options, "--exponent-max", &s->exponent_max) &&

@@ -253,6 +253,9 @@ int brdffit_cli_take_model(struct cli_settings *settings, const char *command_na
         return -1;
     }
     take_lobes(settings, &model);
+    settings->fresnel = (int)model.fresnel;
+    settings->diffuse = (int)model.diffuse;
+    settings->masking = (int)model.masking;
     if (preset != NULL && preset->max_incidence > 0) {
         settings->max_incidence = preset->max_incidence;
     }

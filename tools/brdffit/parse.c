@@ -12,6 +12,7 @@
 #include "models.h"
 #include "settings.h"
 #include "suggest.h"
+#include "terms.h"
 
 struct parser {
     unsigned command;
@@ -88,7 +89,9 @@ static const struct cli_option *find_short(const struct parser *p, char letter)
 
 static const struct cli_choice *choices_of(const struct cli_option *o)
 {
-    return o->kind == CLI_DISTRIBUTION ? brdffit_cli_distribution_choices() : o->choices;
+    return o->kind == CLI_DISTRIBUTION                        ? brdffit_cli_distribution_choices()
+           : o->kind >= CLI_FRESNEL && o->kind <= CLI_MASKING ? brdffit_cli_term_choices(o->kind)
+                                                              : o->choices;
 }
 
 static enum cli_parse bad_choice(const struct parser *p, const struct cli_option *o, const char *text)
@@ -146,6 +149,9 @@ static enum cli_parse set_value(const struct parser *p, const struct cli_option 
     case CLI_STRING: *(const char **)(void *)member = text; return CLI_PARSED;
     case CLI_CHOICE:
     case CLI_DISTRIBUTION:
+    case CLI_FRESNEL:
+    case CLI_DIFFUSE:
+    case CLI_MASKING:
         for (const struct cli_choice *c = choices_of(o); c->name != NULL; c++) {
             if (strcmp(c->name, text) == 0) {
                 *(int *)(void *)member = c->value;
@@ -229,7 +235,10 @@ static void set_defaults(struct cli_settings *settings)
     settings->gap = fit.relative_gap;
     settings->absolute_gap = fit.absolute_gap;
     settings->resolution = fit.sigma_resolution;
-    settings->max_incidence = fit.max_incidence;
+    settings->fresnel = (int)fit.fresnel;
+    settings->diffuse = (int)fit.diffuse;
+    settings->masking = (int)fit.masking;
+    settings->max_incidence = CLI_UNSET;
     settings->box_budget = fit.box_budget;
     settings->values = CLI_UNSET;
     settings->weight = CLI_UNSET;
@@ -447,5 +456,6 @@ enum cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int
     if (answer == CLI_PARSED && settings->model != NULL) {
         answer = parse_over_model(&p, argc, argv);
     }
+    brdffit_cli_settle_incidence(settings);
     return answer == CLI_PARSED ? check_together(&p) : answer;
 }

@@ -9,6 +9,7 @@
 
 #include "lobes.h"
 #include "sample.h"
+#include "terms.h"
 #include "weigh.h"
 #include "words.h"
 
@@ -356,12 +357,14 @@ void brdffit_cli_report_fit(struct cli_text *text, struct cli_style style, const
                              fitter->options.max_incidence, "used");
     lobe_table(text, style, result, &fitter->options);
     channel_table(text, style, job, &fitter->options);
+    brdffit_cli_terms_report(text, style, job);
     brdffit_cli_text_puts(text, "\n");
     brdffit_cli_certificate(text, style, result, &fitter->options);
     verification(text, style, job);
     physical(text, style, job);
     brdffit_cli_report_weights(text, style, job->table, job->weighting);
     brdffit_cli_warnings(text, style, result, &fitter->options);
+    brdffit_cli_terms_warnings(text, style, job);
     effort(text, style, job, &fitter->options);
     if (fitter->settings->stats) {
         savings(text, style, job, &fitter->options);

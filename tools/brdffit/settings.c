@@ -67,6 +67,13 @@ const struct cli_option brdffit_cli_options[] = {
            "what the criterion counts: as many Gaussian\nresiduals as would be as uneven as the best\n"
            "fit's, or every value (default effective)"),
     PLAIN("distribution", 0, CLI_DISTRIBUTION, FITS, distribution, "NAME", NULL),
+    PLAIN("fresnel", 0, CLI_FRESNEL, FITS, fresnel, "none|schlick",
+          "what a lobe does at grazing angles: nothing, or\nSchlick's Fresnel term with an F0 of each lobe\n"
+          "and channel (default none)"),
+    PLAIN("diffuse", 0, CLI_DIFFUSE, FITS, diffuse, "NAME",
+          "diffuse term: lambert, none, oren-nayar or\nburley (default lambert)"),
+    PLAIN("masking", 0, CLI_MASKING, FITS, masking, "NAME",
+          "masking of beckmann and ggx lobes: v-cavity,\nsmith, smith-separable or none\n(default v-cavity)"),
     CHOICE("norm", FITS, 0, norm, brdffit_cli_norm_choices, "l2|l1|linf",
            "minimise the sum of squared or of absolute\nresiduals, or the largest one (default l2)"),
     CHOICE("engine", FITS, 0, engine, engines, "moment|socp",
@@ -94,7 +101,9 @@ const struct cli_option brdffit_cli_options[] = {
     CHOICE("normalise", SEARCHES, 0, normalise, brdffit_cli_normalise_choices, "max|none",
            "divide each channel by its largest used\nradiance, or not (default max)"),
     CHOICE("normalize", SEARCHES, 1, normalise, brdffit_cli_normalise_choices, "", ""),
-    {"max-incidence", 0, CLI_DEGREES, SEARCHES | CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL, "DEG|off",
+    {"max-incidence", 0, CLI_DEGREES, FITS, 0, AT(max_incidence), 0, 90, 1, NULL, "DEG|off",
+     "skip samples lit from further off the normal\n(default 60; with --fresnel schlick off)"},
+    {"max-incidence", 0, CLI_DEGREES, CLI_COMPARE | CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL, "DEG|off",
      "skip samples lit from further off the normal\n(default 60)"},
     CHOICE("values", WORKERS, 0, values, brdffit_cli_quantity_choices, "brdf|radiance",
            "what the file's values are: f_r, or f_r times\n"
@@ -162,6 +171,9 @@ void brdffit_cli_fit_options(const struct cli_settings *settings, brdffit_option
     options->lobes = settings->lobes;
     options->distributions = settings->distributions;
     options->distribution = settings->distributions[0];
+    options->fresnel = (brdffit_fresnel)settings->fresnel;
+    options->diffuse = (brdffit_diffuse)settings->diffuse;
+    options->masking = (brdffit_masking)settings->masking;
     options->norm = (brdffit_norm)settings->norm;
     options->engine = (brdffit_engine)settings->engine;
     options->socp_every_box = settings->socp_every_box;
@@ -205,6 +217,8 @@ void brdffit_cli_record_options(struct cli_text *text, const brdffit_options *o)
         brdffit_cli_text_printf(text, "%d\n--distribution %s", o->lobes,
                                 brdffit_distribution_string(brdffit_cli_lobe(o, 0)));
     }
+    brdffit_cli_text_printf(text, "\n--fresnel %s\n--diffuse %s\n--masking %s", brdffit_fresnel_string(o->fresnel),
+                            brdffit_diffuse_string(o->diffuse), brdffit_masking_string(o->masking));
     brdffit_cli_text_printf(text, "\n--norm %s\n--engine %s\n--socp-every-box %d\n", brdffit_norm_string(o->norm),
                             brdffit_engine_string(o->engine), o->socp_every_box);
     brdffit_cli_text_printf(text, "--normalise %s\n",

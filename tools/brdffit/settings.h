@@ -26,6 +26,7 @@ struct cli_settings {
     int distribution;        /* --distribution: CLI_UNSET, or a brdffit_distribution */
     int lobes;               /* what the two say (lobes.h), in the order of a result */
     brdffit_distribution distributions[BRDFFIT_MAX_LOBES];
+    int fresnel, diffuse, masking; /* of the library's enumerations */
     int norm;
     int engine;
     int socp_every_box;
@@ -40,7 +41,7 @@ struct cli_settings {
     double gap;
     double absolute_gap;
     double resolution;
-    double max_incidence;
+    double max_incidence; /* CLI_UNSET until all options are read */
     size_t box_budget;
     int values; /* CLI_UNSET, or a brdffit_quantity */
     int weight; /* CLI_UNSET, or a brdffit_weighting */
@@ -80,6 +81,9 @@ enum cli_option_kind {
     CLI_FLAG,
     CLI_CHOICE,
     CLI_DISTRIBUTION,
+    CLI_FRESNEL,
+    CLI_DIFFUSE,
+    CLI_MASKING,
     CLI_NUMBER,
     CLI_COUNT,
     CLI_DEGREES, /* a number, or "off" for 90 */
@@ -102,7 +106,7 @@ struct cli_option {
     size_t offset;     /* of the member of cli_settings */
     double low, high;  /* CLI_NUMBER, CLI_DEGREES, CLI_COUNT */
     int low_open;      /* `low` itself is not allowed */
-    const struct cli_choice *choices; /* CLI_DISTRIBUTION: of the library */
+    const struct cli_choice *choices; /* CLI_DISTRIBUTION to CLI_MASKING: of the library */
     const char *value; /* shown in the help */
     const char *help;  /* lines separated by \n; CLI_DISTRIBUTION: made of the library's names */
 };
@@ -142,6 +146,8 @@ extern const struct cli_choice brdffit_cli_format_choices[];
 
 /* Those of the library, under the library's names. Not for threads. */
 const struct cli_choice *brdffit_cli_distribution_choices(void);
+const struct cli_choice *
+brdffit_cli_term_choices(enum cli_option_kind kind); /* CLI_FRESNEL, CLI_DIFFUSE, CLI_MASKING */
 
 /* The options of `command`, as its help shows them. */
 void brdffit_cli_option_help(struct cli_text *text, unsigned command);

@@ -78,6 +78,10 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "brdffit_norm_string": (c_char_p, [c_int]),
     "brdffit_engine_string": (c_char_p, [c_int]),
     "brdffit_isa_string": (c_char_p, [c_int]),
+    "brdffit_fresnel_string": (c_char_p, [c_int]),
+    "brdffit_diffuse_string": (c_char_p, [c_int]),
+    "brdffit_masking_string": (c_char_p, [c_int]),
+    "brdffit_diffuse_columns": (c_int, [c_int]),
     "brdffit_isa_supported": (c_int, [c_int]),
     "brdffit_stop_string": (c_char_p, [c_int]),
     "brdffit_weighting_string": (c_char_p, [c_int]),
@@ -100,6 +104,8 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "brdffit_inspect": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), POINTER(c_size_t),
                                 POINTER(c_size_t), c_size_t, POINTER(structs.Error)]),
     "brdffit_eval": (c_int, [POINTER(structs.Model), POINTER(structs.Samples), c_void_p, POINTER(structs.Error)]),
+    "brdffit_f0_interval": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), POINTER(structs.Model), c_void_p,
+                                    c_void_p, POINTER(structs.Error)]),
     "brdffit_texel_status_string": (c_char_p, [c_int]),
     "brdffit_plan_size": (c_size_t, [POINTER(structs.Samples), POINTER(structs.Options)]),
     "brdffit_plan_init": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), c_void_p, c_size_t,
@@ -156,6 +162,14 @@ def _distributions(core: ctypes.CDLL) -> tuple[Distribution, ...]:
         out.append(one)
 
 
+def _names(string: Any) -> tuple[str, ...]:
+    """In the order of an enumeration, up to the one that is "unknown"."""
+    out: list[str] = []
+    while (name := string(len(out)).decode()) != "unknown":
+        out.append(name)
+    return tuple(out)
+
+
 class Library:
     """The loaded library: `core` (brdffit.h) and `io` (brdffit_io.h), which may be one."""
 
@@ -167,6 +181,7 @@ class Library:
         _declare(self.io, _IO_PROTOTYPES, path)
         _check_version(self.core, path)
         self.distributions = _distributions(self.core)
+        self.terms = {kind: _names(getattr(self.core, "brdffit_%s_string" % kind)) for kind in ("fresnel", "diffuse", "masking")}
 
     @property
     def version(self) -> str:

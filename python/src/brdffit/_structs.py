@@ -124,6 +124,9 @@ class Options(ctypes.Structure):
         ("box", BoxFunction),
         ("box_user", c_void_p),
         ("distributions", c_void_p),
+        ("fresnel", c_int),
+        ("diffuse", c_int),
+        ("masking", c_int),
     ]
 
 
@@ -139,6 +142,11 @@ class Model(ctypes.Structure):
         ("x", c_void_p),
         ("y", c_void_p),
         ("distributions", c_void_p),
+        ("fresnel", c_int),
+        ("diffuse", c_int),
+        ("f0", c_void_p),
+        ("x_more", c_void_p),
+        ("masking", c_int),
     ]
 
 
@@ -240,6 +248,8 @@ class TexelResults(ctypes.Structure):
         ("where", c_void_p),
         ("boxes", c_void_p),
         ("sigma_floor", c_void_p),
+        ("f0", c_void_p),
+        ("x_more", c_void_p),
     ]
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _lobes
+from . import _lobes, _terms
 
 if TYPE_CHECKING:
     from .fit import Fit
@@ -31,13 +31,15 @@ WEIGHTS = {"none": "Samples count alike.", "column": "Samples have weights of th
            "relative": "Samples are weighted by one over their squared values."}
 
 # Order of the members of `brdffit fit --json`.
-_MEMBERS = ("schema", "file", "status", "distribution", "distributions", "norm", "engine", "lobes", "sigma", "exponent", "x", "y",
-            "channel_scale", "e2", "objective", "e2_error", "lower_bound", "gap", "rms", "rms_total", "sum_of_squares",
+_MEMBERS = ("schema", "file", "status", "distribution", "distributions", "fresnel", "diffuse", "masking", "norm", "engine",
+            "lobes", "sigma", "exponent", "x", "y", "f0", "ior", "f0_interval", "x_more", "channel_scale", "e2", "objective",
+            "e2_error", "lower_bound", "gap", "rms", "rms_total", "sum_of_squares",
             "kkt_residual", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
             "weight", "effective_samples", "sigma_interval", "exponent_interval", "warnings", "channels", "normalise",
             "sigma_range", "exponent_range", "relative_gap", "absolute_gap", "sigma_resolution", "box_budget",
             "max_incidence", "proven_sigma", "proven_exponent", "format", "quantity", "merl_bins", "merl_samples",
             "weighting", "seconds")
+_WHERE_THERE = ("f0", "ior", "x_more")  # f0_interval: null where there is an f0 but none of it
 _ONLY_BY_EXPONENT = ("exponent", "exponent_interval", "exponent_range")  # proven_exponent: where there is an exponent
 
 
@@ -64,7 +66,11 @@ def plain(fit: Fit) -> dict[str, Any]:
         value = getattr(fit, name)
         if value is None and (name in _ONLY_BY_EXPONENT or (name == "proven_exponent" and fit.exponent is None)):
             continue
+        if value is None and (name in _WHERE_THERE or (name == "f0_interval" and fit.f0 is None)):
+            continue
         out[name] = _plain(value)
+        if name == "ior":
+            out[name] = [[one if math.isfinite(one) else None for one in row] for row in out[name]]
         if name in ("exponent", "exponent_interval"):
             out[name] = [one if by == "exponent" else None for one, by in zip(out[name], fit.parameters)]
         if name in ("proven_sigma", "proven_exponent"):  # NaN: there is none
@@ -93,12 +99,14 @@ def parameter(fit: Fit, p: int) -> str:
     return _lobes.letter(fit.distributions[p])
 
 
-def family(distributions: Sequence[str], sigma_range: Sequence[float], exponent_range: Sequence[float] | None) -> str:
+def family(distributions: Sequence[str], sigma_range: Sequence[float], exponent_range: Sequence[float] | None,
+           terms: str = "") -> str:
     """With the ranges of the parameters that its lobes have."""
     ranges = {"σ": sigma_range, "n": exponent_range}
     found = ["%s in [%.6g, %.6g]" % (letter, *ranges[letter]) for letter in sorted(  # type: ignore[misc]  # a range is there
         {_lobes.letter(name) for name in distributions}, reverse=True)]
-    return "%s %s %s" % (_lobes.family(distributions), "and" if len(set(distributions)) == 1 else "with", " and ".join(found))
+    return "%s%s %s %s" % (_lobes.family(distributions), terms, "and" if len(set(distributions)) == 1 else "with",
+                           " and ".join(found))
 
 
 def is_cut(fit: Fit) -> bool:
@@ -128,11 +136,11 @@ def _proven(fit: Fit, by: str) -> tuple[str, str] | None:
 def _family(fit: Fit) -> str:
     """Which models the bound is about."""
     if not np.any(np.isfinite(fit.proven_sigma[:, 0])):
-        return "diffuse fit"
+        return "diffuse fit" + _terms.words(fit)
     found = ["%s in [%s, %s]" % (letter, *_proven(fit, by)) for letter, by in (("σ", "sigma"), ("n", "exponent"))  # type: ignore[misc]
              if by in fit.parameters]
-    return "%s %s %s" % (_lobes.family(fit.distributions), "and" if len(set(fit.distributions)) == 1 else "with",
-                         " and ".join(found))
+    return "%s%s %s %s" % (_lobes.family(fit.distributions), _terms.words(fit),
+                           "and" if len(set(fit.distributions)) == 1 else "with", " and ".join(found))
 
 
 def _cut(fit: Fit) -> str:
@@ -203,7 +211,7 @@ def _proof(fit: Fit) -> str:
 def warnings(fit: Fit) -> list[str]:
     """A sentence for each warning of each lobe; of an unused lobe only that."""
     return ["Warning, lobe %d: %s" % (p + 1, _warning(fit, p, word)) for p, words in enumerate(fit.warnings)
-            for word in words if word == "unused" or "unused" not in words]
+            for word in words if word == "unused" or "unused" not in words] + _terms.warnings(fit)
 
 
 def _warning(fit: Fit, p: int, word: str) -> str:
@@ -241,7 +249,7 @@ def skipped(fit: Fit) -> str:
 
 def title(fit: Fit) -> str:
     name = "" if fit.file is None else "%s: " % readable(fit.file)
-    words = _lobes.family(fit.distributions)
+    words = _lobes.family(fit.distributions) + _terms.words(fit)
     return "%s%s, %s samples used" % (name, words if name else words[0].upper() + words[1:], format(fit.samples_used, ","))
 
 
@@ -281,6 +289,8 @@ def text(fit: Fit) -> str:
     if skipped(fit):
         lines.append("  Skipped: " + skipped(fit))
     lines += ["", *_columns(lobe_table(fit)), "", *_columns(channel_table(fit)), ""]
+    for table in _terms.tables(fit):
+        lines += [*_columns(table), ""]
     for paragraph in _paragraphs(fit):
         lines += textwrap.wrap(paragraph, 79, initial_indent="  ", subsequent_indent="  ")
     return "\n".join(lines)
@@ -298,6 +308,6 @@ def html(fit: Fit) -> str:
     parts = ["<p><b>%s</b></p>" % _html.escape(title(fit))]
     if skipped(fit):
         parts.append("<p>Skipped: %s</p>" % _html.escape(skipped(fit)))
-    parts += [html_table(lobe_table(fit)), html_table(channel_table(fit))]
+    parts += [html_table(lobe_table(fit)), html_table(channel_table(fit)), *map(html_table, _terms.tables(fit))]
     parts += ["<p>%s</p>" % _html.escape(paragraph) for paragraph in _paragraphs(fit)]
     return "<div class='brdffit'>%s</div>" % "".join(parts)

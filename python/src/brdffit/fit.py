@@ -14,7 +14,7 @@ from typing import Any, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _lobes, _words
+from . import _lobes, _terms, _words
 from . import _structs as structs
 from ._arguments import choose
 from ._arrays import Floats, Frozen, address, floats, freeze, vectors
@@ -28,7 +28,8 @@ SCHEMA = "brdffit.fit/1"
 SamplesLike = Union[Samples, str, "os.PathLike[str]"]
 
 _ARRAY_FIELDS = ("sigma", "exponent", "x", "y", "channel_scale", "rms", "weight", "effective_samples",
-                 "sigma_interval", "exponent_interval", "proven_sigma", "proven_exponent", "_merl_directions")
+                 "sigma_interval", "exponent_interval", "proven_sigma", "proven_exponent", "_merl_directions", "f0", "x_more",
+                 "f0_interval")
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -42,6 +43,12 @@ class Fit(Frozen):
     sigma: P roughnesses, ascending among lobes of one distribution
     exponent: P exponents n, sigma = 1/sqrt(n), NaN of lobes that are not known by them; None where no lobe is
     x: K diffuse coefficients; y: K x P specular ones, in the data's units (the paper's scaling, see brdffit.h)
+    fresnel, diffuse, masking: the rest of the model, as in `Options`
+    f0: K x P reflectances at normal incidence, factors of y, 0 of a lobe with y = 0; ior: the indices of refraction that
+        they stand for; f0_interval: K x P x 2, how well the samples tell f0 (two standard errors, sigma given; see
+        brdffit_f0_interval of brdffit.h). All None without Fresnel, f0_interval also with other norms than l2
+    x_more: K x (1 or 2) coefficients of the diffuse term's further columns (Oren-Nayar's B; Burley's x r and x r^2); None
+        where it has one
     e2, objective: what the norm minimises, in units of channel_scale (K divisors)
     e2_error: how far e2 may be from that of this model on the samples, by rounding and by what sums do not know
     lower_bound: proven: no model of this form with each lobe's sigma in its proven_sigma has less; gap: e2 - lower_bound
@@ -109,6 +116,12 @@ class Fit(Frozen):
     proven_exponent: Floats | None = None
     _merl_directions: Floats | None = None
     distributions: tuple[str, ...] = ()
+    fresnel: str = "none"
+    diffuse: str = "lambert"
+    masking: str = "v-cavity"
+    f0: Floats | None = None
+    x_more: Floats | None = None
+    f0_interval: Floats | None = None
     weighting: str = "none"
 
     def __post_init__(self) -> None:
@@ -124,6 +137,11 @@ class Fit(Frozen):
     def values(self) -> Floats:
         """P: of each lobe its own parameter, sigma or n."""
         return self.sigma if self.exponent is None else np.where(np.isnan(self.exponent), self.sigma, self.exponent)
+
+    @property
+    def ior(self) -> Floats | None:
+        """K x P: (1 + sqrt f0) / (1 - sqrt f0), infinite where f0 is 1; None without Fresnel."""
+        return None if self.f0 is None else _terms.ior(self.f0)
 
     @property
     def certified(self) -> bool:
@@ -172,10 +190,12 @@ class Fit(Frozen):
         model.distribution, model.lobes, model.distributions = names[0], self.lobes, ctypes.addressof(names)
         model.channels = len(x)
         model.sigma, model.x, model.y = address(sigma), address(x), address(y)
+        keep = _terms.fill(model, self)
         out = np.zeros((at.count, len(x)))
         error = structs.Error()
         if ffi.core.brdffit_eval(byref(model), byref(at), out.ctypes.data, byref(error)) != 0:
             raise from_struct(error, channels=self.channels)
+        del keep
         return out
 
     def _check_model(self) -> None:
@@ -196,6 +216,7 @@ class Fit(Frozen):
                 raise DataError("%s of a fit of %s and %d channel%s must have shape %s, not %s" % (
                     name, _lobes.count_word(lobes), channels, "" if channels == 1 else "s", shape,
                     np.shape(getattr(self, name))), code="format")
+        _terms.check_fit(self)
 
     # ---- Show
 
@@ -223,6 +244,7 @@ class Fit(Frozen):
         names = {field.name for field in dataclasses.fields(cls)}
         members: dict[str, Any] = {name: given.get(name) for name in names}
         members["e2_error"] = given.get("e2_error", 0.0)
+        members.update({kind: given.get(kind) or name for kind, name in _terms.DEFAULTS.items()})
         members["weighting"] = given.get("weighting") or "none"
         members["distributions"] = tuple(given["distributions"]) if given.get("distributions") else ()
         for name, missing_one in (("exponent", np.nan), ("exponent_interval", (np.nan, np.nan))):
@@ -267,9 +289,10 @@ class Fit(Frozen):
 def fit(samples: SamplesLike, *, lobes: int | Sequence[str] = 1, distribution: str | None = None, norm: str = "l2",
         engine: str = "moment", normalise: str = "max", sigma_range: tuple[float, float] = (1e-12, 6.0),
         exponent_range: tuple[float, float] = (0.1, 1e7), relative_gap: float = 1e-3, absolute_gap: float = 1e-12,
-        sigma_resolution: float = 0.0, box_budget: int = 1_000_000, max_incidence: float = 60.0,
+        sigma_resolution: float = 0.0, box_budget: int = 1_000_000, max_incidence: float | None = None,
         socp_every_box: bool = False, isa: str = "auto", weight: str | None = None,
-        verify: float | None = None, progress: ProgressArgument = None) -> Fit:
+        verify: float | None = None, progress: ProgressArgument = None, fresnel: str = "none", diffuse: str = "lambert",
+        masking: str = "v-cavity") -> Fit:
     """Fit a model to samples (or to a file of them) and prove how close to the best it is.
 
     Options are explained at `Options`.
@@ -283,7 +306,7 @@ def fit(samples: SamplesLike, *, lobes: int | Sequence[str] = 1, distribution: s
     at the same time; the result has the same bits in each.
     """
     options = Options(lobes, distribution, norm, engine, normalise, sigma_range, exponent_range, relative_gap,
-                      absolute_gap, sigma_resolution, box_budget, max_incidence, socp_every_box, isa)
+                      absolute_gap, sigma_resolution, box_budget, max_incidence, socp_every_box, isa, fresnel, diffuse, masking)
     began = time.perf_counter()
     data = samples if isinstance(samples, Samples) else Samples.from_file(samples)
     read = {} if data is samples else {"read": time.perf_counter() - began}
@@ -316,7 +339,8 @@ def run(samples: Samples, options: Options, verify: float | None, progress: Prog
         if status != 0:
             raise from_struct(error, path=samples.file, channels=samples.channels, lines=samples.lines)
         proof = None if verify is None else _verify(samples, options, result.contents, verify)
-        return convert(result.contents, samples, options, proof, {**read, **observer.seconds(began, ended)})
+        told = _terms.f0_interval(result.contents.model, c_samples, c_options)
+        return convert(result.contents, samples, options, proof, {**read, **observer.seconds(began, ended)}, told)
     finally:
         ffi.core.brdffit_result_free(result)
 
@@ -378,7 +402,7 @@ def _proven(floor: Floats, by_n: Sequence[bool], options: Options) -> tuple[Floa
 
 
 def convert(r: structs.Result, samples: Samples, options: Options, proof: Mapping[str, Any] | None,
-            seconds: Mapping[str, float] | None) -> Fit:
+            seconds: Mapping[str, float] | None, f0_interval: Floats | None = None) -> Fit:
     """A brdffit_result as a Fit that owns its memory."""
     model = r.model.contents
     lobes, channels = model.lobes, model.channels
@@ -413,7 +437,9 @@ def convert(r: structs.Result, samples: Samples, options: Options, proof: Mappin
         sigma_resolution=options.sigma_resolution, box_budget=options.box_budget,
         max_incidence=options.max_incidence, format=samples.format, quantity=samples.quantity,
         merl_bins=samples.merl_bins, merl_samples=samples.merl_samples, seconds=seconds, file=samples.file,
-        schema=SCHEMA, _merl_directions=samples._merl_directions, weighting=samples.weighting)
+        schema=SCHEMA, _merl_directions=samples._merl_directions, weighting=samples.weighting,
+        **_terms.of_model(model),
+        f0_interval=None if f0_interval is None else freeze(f0_interval))
     return fit
 
 

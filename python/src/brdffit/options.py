@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypedDict
 
-from . import _lobes
+from . import _lobes, _terms
 from . import _structs as structs
 from ._arguments import choose
 from ._ffi import library
@@ -31,9 +31,12 @@ class FitOptions(TypedDict, total=False):
     absolute_gap: float
     sigma_resolution: float
     box_budget: int
-    max_incidence: float
+    max_incidence: float | None
     socp_every_box: bool
     isa: str
+    fresnel: str
+    diffuse: str
+    masking: str
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,9 +55,12 @@ class Options:
     absolute_gap: or when E^2 - lower bound is at most this share of the data's sum of squares
     sigma_resolution: boxes narrower than this are not split; 0: off
     box_budget: most boxes to bound
-    max_incidence: degrees; light further from the normal is skipped. 90: all above the horizon
+    max_incidence: degrees; light further from the normal is skipped. 90: all above the horizon. None: 60, or 90 with Fresnel
     socp_every_box: send every box to ECOS, as the paper does
     isa: "auto", "base", "avx2" or "avx512"; the results have the same bits
+    fresnel: "none", or "schlick": Schlick's Fresnel term, with an F0 of each lobe and channel
+    diffuse: the diffuse term: "lambert", "none", "oren-nayar" or "burley"
+    masking: of Beckmann and GGX lobes: "v-cavity", "smith", "smith-separable" or "none"
     """
 
     lobes: int | Sequence[str] = 1
@@ -68,11 +74,16 @@ class Options:
     absolute_gap: float = 1e-12
     sigma_resolution: float = 0.0
     box_budget: int = 1_000_000
-    max_incidence: float = 60.0
+    max_incidence: float | None = None
     socp_every_box: bool = False
     isa: str = "auto"
+    fresnel: str = "none"
+    diffuse: str = "lambert"
+    masking: str = "v-cavity"
 
     def __post_init__(self) -> None:
+        if self.max_incidence is None:
+            object.__setattr__(self, "max_incidence", _terms.incidence(self.fresnel, None))
         if isinstance(self.lobes, list):  # so that options can be looked up
             object.__setattr__(self, "lobes", tuple(self.lobes))
 
@@ -90,6 +101,11 @@ class Options:
     def lobe_count(self) -> int:
         """How many lobes."""
         return len(self.distributions)
+
+    @property
+    def incidence(self) -> float:
+        """max_incidence, as it is used. `replace` keeps it, also where only fresnel changes."""
+        return _terms.incidence(self.fresnel, self.max_incidence)
 
     @property
     def sigma_searched(self) -> tuple[float, float]:
@@ -137,6 +153,8 @@ class Options:
             setattr(out, name, _number(name, getattr(self, name)))
         out.box_budget = _integer("box_budget", self.box_budget, 2**63)
         out.socp_every_box = int(bool(self.socp_every_box))
+        for kind in _terms.DEFAULTS:
+            setattr(out, kind, _terms.check(kind, getattr(self, kind)))
         return out
 
 

@@ -42,7 +42,8 @@ class BRDFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # sci
                  normalise: str = "max",
                  sigma_range: tuple[float, float] = (1e-12, 6.0), exponent_range: tuple[float, float] = (0.1, 1e7),
                  relative_gap: float = 1e-3, absolute_gap: float = 1e-12, box_budget: int = 1_000_000,
-                 max_incidence: float = 60.0) -> None:
+                 max_incidence: float | None = None, fresnel: str = "none", diffuse: str = "lambert",
+                 masking: str = "v-cavity") -> None:
         self.features = features
         self.quantity = quantity
         self.lobes = lobes
@@ -56,6 +57,9 @@ class BRDFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # sci
         self.absolute_gap = absolute_gap
         self.box_budget = box_budget
         self.max_incidence = max_incidence
+        self.fresnel = fresnel
+        self.diffuse = diffuse
+        self.masking = masking
 
     def __sklearn_tags__(self) -> Any:
         tags = super().__sklearn_tags__()
@@ -87,7 +91,7 @@ class BRDFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # sci
     def _options(self) -> Options:
         return Options(self.lobes, self.distribution, self.norm, self.engine, self.normalise, self.sigma_range,
                        self.exponent_range, self.relative_gap, self.absolute_gap, 0.0, self.box_budget,
-                       self.max_incidence)
+                       self.max_incidence, fresnel=self.fresnel, diffuse=self.diffuse, masking=self.masking)
 
     def _samples(self, data: Floats, values: Floats, weights: Floats | None) -> Samples:
         if not callable(self.features):

@@ -30,7 +30,8 @@ void brdffit_bound_moment_layout(struct bound_moment *e, struct arena *arena, si
 
     brdffit_moments_layout(&e->moments, arena, count, channels, node_capacity, model);
     for (kind = 0; kind < model->kinds; kind++) {
-        brdffit_intervals_layout(&e->intervals[kind], arena, AXIS_INTERVALS(node_capacity), channels);
+        brdffit_intervals_layout(&e->intervals[kind], arena, AXIS_INTERVALS(node_capacity), channels,
+                                 (size_t)model->fixed, kind >= model->axes);
     }
 }
 

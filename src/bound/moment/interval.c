@@ -38,11 +38,13 @@
 #define UP (1.0 + TOL_CURVATURE)
 #define DOWN (1.0 - TOL_CURVATURE)
 
-void brdffit_intervals_layout(struct intervals *t, struct arena *arena, size_t capacity, size_t channels)
+void brdffit_intervals_layout(struct intervals *t, struct arena *arena, size_t capacity, size_t channels, size_t fixed,
+                              int second)
 {
     t->interval = brdffit_arena_take(arena, capacity, sizeof *t->interval);
     marks_layout(&t->ready, arena, capacity);
-    t->pool = brdffit_arena_take(arena, capacity, 2 * channels * sizeof(double));
+    t->pool = brdffit_arena_take(arena, capacity, 2 * (channels + fixed) * sizeof(double));
+    t->beside = second ? brdffit_arena_take(arena, capacity, sizeof *t->beside) : NULL;
 }
 
 void brdffit_intervals_start(struct intervals *t, struct moments *moments, int kind, struct intervals *first)
@@ -126,7 +128,7 @@ static struct enclosure functional_curvature(const struct intervals *t, const st
 /* Whether the shifts are of use (LIMIT_SHIFT). */
 static int usable(const struct intervals *t, const struct interval *v)
 {
-    int fine = !t->first || fabs(v->beside_shift) <= LIMIT_SHIFT, f;
+    int fine = !t->first || fabs(v->beside->shift) <= LIMIT_SHIFT, f;
     size_t k;
 
     for (f = 0; f < t->moments->data->fixed; f++) {
@@ -212,37 +214,43 @@ static void fill_beside(const struct intervals *t, struct interval *v, const str
     const struct pair *pair = brdffit_moments_pair(t->moments, &low);
     double least, curved, norms = v->high->root * first->high->root, wide = v->low->root * first->low->root, mu, value;
 
-    v->beside[0] = pair->mu;
+    v->beside->end[0] = pair->mu;
     value = pair->value;
     curved = norms > 0.0 ? brdffit_family_beside(t->moments, t->kind, v, first, pair) / norms : 0.0;
     pair = brdffit_moments_pair(t->moments, &high);
     mu = pair->mu;
-    v->beside[1] = mu;
-    v->beside_shift = 0.0;
-    v->beside_inf = larger(0.0, smaller(v->beside[0], mu));
+    v->beside->end[1] = mu;
+    v->beside->shift = 0.0;
+    v->beside->least = larger(0.0, smaller(v->beside->end[0], mu));
     if (!(v->eighth > 0.0) || !(value > 0.0)) {
         return;
     }
     /* mu has the allowance for its sum; the nodes have that of their norms. */
     least = wide > 0.0 ? mu * (norms / wide) * DOWN : 0.0;
     least -= 2.0 * larger(larger(v->low->epsilon, v->high->epsilon), larger(first->low->epsilon, first->high->epsilon));
-    v->beside_inf = larger(0.0, least);
-    v->beside_shift = v->eighth * (UP * curved - DOWN * ((v->curvature + first->curvature) * v->beside_inf));
+    v->beside->least = larger(0.0, least);
+    v->beside->shift = v->eighth * (UP * curved - DOWN * ((v->curvature + first->curvature) * v->beside->least));
 }
 
 void brdffit_interval_fill(struct intervals *t, uint32_t index, const struct axis *axis)
 {
     const struct axis_interval *i = &axis->interval[index];
     struct interval *v = &t->interval[index];
-    size_t K = t->moments->data->bounded;
+    size_t K = t->moments->data->bounded, F = (size_t)t->moments->data->fixed;
 
     v->low = brdffit_moments_node(t->moments, t->kind, i->low, axis->coordinate[i->low]);
     v->high = brdffit_moments_node(t->moments, t->kind, i->high, axis->coordinate[i->high]);
     v->low_index = i->low;
     v->high_index = i->high;
     v->refined = 0;
-    v->tau_shift = t->pool + 2 * K * index;
+    v->tau_shift = t->pool + 2 * (K + F) * index;
     v->tau_sup = v->tau_shift + K;
+    v->kappa_shift = v->tau_sup + K;
+    v->kappa_inf = v->kappa_shift + F;
+    v->beside = t->first ? &t->beside[index] : NULL;
+    if (v->beside) {
+        v->beside->shift = 0.0; /* usable() reads it before fill_beside() knows */
+    }
     if (v->low->h > 0.0 && v->low->u < v->high->u) {
         fill(t, v);
     } else {
@@ -281,9 +289,9 @@ void brdffit_interval_refine(struct intervals *t, struct interval *v, const stru
         v->kappa_shift[f] = smaller(v->kappa_shift[f], shift);
     }
     if (t->first) {
-        shift = joined(m, rest * v->beside[0] + m * v->beside[1] - left->beside[1] + 2.0 * rounding, left->beside_shift,
-                       right->beside_shift);
-        v->beside_shift = smaller(v->beside_shift, shift);
+        shift = joined(m, rest * v->beside->end[0] + m * v->beside->end[1] - left->beside->end[1] + 2.0 * rounding,
+                       left->beside->shift, right->beside->shift);
+        v->beside->shift = smaller(v->beside->shift, shift);
     }
     for (k = 0; k < t->moments->data->bounded; k++) {
         double above = middle->tau[k] - (rest * low->tau[k] + m * high->tau[k]) + rounding * t->moments->norm[k];
@@ -341,7 +349,7 @@ double brdffit_pair_shift(const struct sides *b, int which, double least)
     if (!(side->eighth > 0.0)) {
         return 0.0;
     }
-    if (b->kind[0] != b->kind[1] || !b->moments->kind[b->kind[0]].kind->exponential) {
+    if (!moments_one_family(b->moments, b->kind[0], b->kind[1])) {
         return side->eighth * brdffit_family_pair(b, which, least);
     }
     corner = brdffit_pair_corner(b, 0);

@@ -10,14 +10,18 @@
 #include "data/moments.h"
 #include "search/axis.h"
 
+/* The cosine of a second column with the first one: its values at both ends, shift and infimum as of a kappa. */
+struct beside {
+    double end[2], shift, least;
+};
+
 struct interval {
     const struct node *low, *high;
     uint32_t low_index, high_index;
     double eighth;      /* (u_high - u_low)^2 / 8 */
-    double kappa_shift[FIXED_MOST]; /* signed: kappa may fall below its chord by this much at most */
-    double kappa_inf[FIXED_MOST];   /* >= 0 */
-    double beside[2], beside_shift, beside_inf; /* of second columns: the same of their cosine with the first ones, with
-                                                   its values at both ends */
+    double *kappa_shift; /* F, signed: kappa may fall below its chord by this much at most */
+    double *kappa_inf;   /* F, >= 0 */
+    struct beside *beside; /* of second columns, else NULL */
     double curvature; /* inf of the term that a lobe's own norm contributes to second derivatives:
                            2 m2 for exponential lobes, mean slope + 2 variance in general */
     double root_m4; /* sup sqrt(m4); infinity for lobes that are not exponential */
@@ -35,9 +39,12 @@ struct intervals {
     struct interval *interval;
     struct marks ready;
     double *pool;
+    struct beside *beside; /* as many as intervals, of second columns */
 };
 
-void brdffit_intervals_layout(struct intervals *intervals, struct arena *arena, size_t capacity, size_t channels);
+/* `second`: they are of second columns. */
+void brdffit_intervals_layout(struct intervals *intervals, struct arena *arena, size_t capacity, size_t channels,
+                              size_t fixed, int second);
 void brdffit_intervals_start(struct intervals *intervals, struct moments *moments, int kind, struct intervals *first);
 
 /* Interval `index` between two nodes of the axis: see brdffit_interval(). */

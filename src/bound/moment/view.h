@@ -80,7 +80,8 @@ INSTANCE void open_column(struct view *v, const struct box *box, int c, int dept
     if (c % Q == 0) {
         v->alike[p] = c >= Q && p > model->lobe[p].first && v->column[c - Q] == s;
     } else {
-        open_entry(v, COSINE(n, F + c - 1, F + c), s->beside[0], s->beside[1], s->beside_shift, s->beside_inf);
+        open_entry(v, COSINE(n, F + c - 1, F + c), s->beside->end[0], s->beside->end[1], s->beside->shift,
+                   s->beside->least);
     }
 }
 

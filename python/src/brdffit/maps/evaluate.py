@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from .. import _lobes
+from .. import _lobes, _terms
 from .. import _structs as structs
 from .._arguments import choose
 from .._arrays import Floats, address, floats, vectors
@@ -93,6 +93,23 @@ def predict(fits: FitMap, light: npt.ArrayLike, view: npt.ArrayLike, normal: npt
     return np.moveaxis(out.reshape(*spatial, samples, fits.channels), -2, 0)
 
 
+def _terms_of(fits: FitMap, model: structs.Model) -> list[tuple[int, Floats, int]]:
+    """Fresnel, masking and the diffuse term into the model; of their arrays: which word of it, and bytes a texel."""
+    options = fits.options
+    out: list[tuple[int, Floats, int]] = []
+    for kind in _terms.DEFAULTS:
+        setattr(model, kind, _terms.check(kind, getattr(options, kind)))
+    widths = {"f0": fits.lobes if model.fresnel else 0, "x_more": _terms.more_columns(options.diffuse)}
+    for name, width in widths.items():
+        array = getattr(fits, name)
+        if width and (array is None or array.shape != (*fits.x.shape, width)):
+            raise DataError("%s does not belong to these texels and options" % name, code="argument")
+        if width:
+            fixed = floats(name, array)
+            out.append((getattr(structs.Model, name).offset // 8, fixed, 8 * fits.channels * width))
+    return out
+
+
 def _evaluate(fits: FitMap, at: structs.Samples, directions: _Directions, out: Floats) -> None:
     """A call a texel, with as little around it as there can be."""
     call = library().core.brdffit_eval
@@ -111,6 +128,8 @@ def _evaluate(fits: FitMap, at: structs.Samples, directions: _Directions, out: F
     model.channels = channels
     words = np.frombuffer(memoryview(model).cast("B"), np.uintp)
     at_sigma, at_x, at_y = (getattr(structs.Model, name).offset // 8 for name in ("sigma", "x", "y"))
+    kept = _terms_of(fits, model)
+    terms = [(word, array.ctypes.data, step) for word, array, step in kept]
     error = structs.Error()
     model_argument, at_argument, error_argument = byref(model), byref(at), byref(error)
     sigma_start, x_start, y_start, to = (array.ctypes.data for array in (sigma, x, y, out))
@@ -125,6 +144,8 @@ def _evaluate(fits: FitMap, at: structs.Samples, directions: _Directions, out: F
             words[at_sigma] = sigma_start + 8 * lobes * texel
             words[at_x] = x_start + 8 * channels * texel
             words[at_y] = y_start + 8 * channels * lobes * texel
+            for at_term, start, step in terms:
+                words[at_term] = start + step * texel
             for name, start in own:
                 setattr(at, name, start + width * i)
             if call(model_argument, at_argument, to + out.strides[0] * texel, error_argument) != 0:

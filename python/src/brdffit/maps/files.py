@@ -14,6 +14,7 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from .. import _terms
 from .._arguments import choose
 from .._arrays import Floats, freeze
 from .._version import __version__
@@ -28,13 +29,15 @@ SCHEMA = "brdffit.map/1"
 _DESCRIPTION = "map.json"
 # Members of map.json that are options of the same name, behind the ranges.
 _ASKED = ("relative_gap", "absolute_gap", "sigma_resolution", "box_budget", "max_incidence")
+_FURTHER = ("f0", "x_more")
 _REQUIRED = ("sigma", "x", "y", "e2", "lower_bound", "status")
 
 
 def _fields(fits: FitMap) -> dict[str, npt.NDArray[Any]]:
     exponent = fits.exponent
+    further = {name: array for name, array in (("f0", fits.f0), ("x_more", fits.x_more)) if array is not None}
     return {"sigma": fits.sigma, **({} if exponent is None else {"exponent": exponent}), "x": fits.x, "y": fits.y,
-            "e2": fits.e2, "lower_bound": fits.lower_bound, "status": fits.status}
+            "e2": fits.e2, "lower_bound": fits.lower_bound, **further, "status": fits.status}
 
 
 def describe(fits: FitMap) -> dict[str, Any]:
@@ -47,7 +50,8 @@ def describe(fits: FitMap) -> dict[str, Any]:
     names = list(o.distributions)
     one = names[0] if len(set(names)) == 1 else None
     return {"schema": SCHEMA, "version": __version__, "samples": fits.samples, **size, "channels": fits.channels,
-            "lobes": fits.lobes, "distribution": one, "distributions": names, "norm": o.norm, "normalise": o.normalise,
+            "lobes": fits.lobes, "distribution": one, "distributions": names,
+            **{kind: getattr(o, kind) for kind in _terms.DEFAULTS}, "norm": o.norm, "normalise": o.normalise,
             **{name: list(ends) for name, ends in ranges.items()}, **{name: getattr(o, name) for name in _ASKED},
             "quantity": fits.quantity,
             "status": {str(STATUS.index(name)): name for name in known},
@@ -136,14 +140,14 @@ def _directed(name: str, array: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
 def _write_pfms(folder: pathlib.Path, name: str, array: npt.NDArray[Any]) -> None:
     """Three channels are a colour image; otherwise each has a file, counted from 1."""
     values = _directed(name, array)
-    colour = name in ("x", "y") and array.shape[2] == 3
+    colour = (name == "x" or array.ndim == 4) and array.shape[2] == 3
     images: dict[str, npt.NDArray[np.float32]] = {}
     if values.ndim == 2 or colour and name == "x":
         images[name] = values
     elif colour:
-        images.update({"y_%d" % (p + 1): values[..., p] for p in range(values.shape[3])})
-    elif name == "y":
-        images.update({"y_%d_%d" % (k + 1, p + 1): values[..., k, p] for k in range(values.shape[2])
+        images.update({"%s_%d" % (name, p + 1): values[..., p] for p in range(values.shape[3])})
+    elif values.ndim == 4:
+        images.update({"%s_%d_%d" % (name, k + 1, p + 1): values[..., k, p] for k in range(values.shape[2])
                        for p in range(values.shape[3])})
     elif values.shape[2] == 1:
         images[name] = values[..., 0]
@@ -168,7 +172,8 @@ def _read(path: pathlib.Path) -> tuple[dict[str, npt.NDArray[Any]], dict[str, An
                        for name in archive.namelist() if name.endswith(".npy")}
             return members, json.loads(archive.read(_DESCRIPTION))
     about = json.loads((path / _DESCRIPTION).read_text())
-    return {name: np.load(path / (name + ".npy"), allow_pickle=False) for name in _REQUIRED}, about
+    names = (*_REQUIRED, *(name for name in _FURTHER if (path / (name + ".npy")).exists()))
+    return {name: np.load(path / (name + ".npy"), allow_pickle=False) for name in names}, about
 
 
 def load(path: str | os.PathLike[str]) -> dict[str, Any]:
@@ -190,7 +195,8 @@ def _options(about: dict[str, Any], lobes: int, path: pathlib.Path) -> Options:
     try:
         ranges: dict[str, Any] = {name: tuple(about[name]) for name in ("sigma_range", "exponent_range") if name in about}
         names = about.get("distributions") or [about["distribution"]] * lobes  # maps from before there were lists
-        options = Options(lobes=names, **{name: about[name] for name in ("norm", "normalise", *_ASKED)}, **ranges)
+        options = Options(lobes=names, **{name: about[name] for name in ("norm", "normalise", *_ASKED)}, **ranges,
+                          **{kind: about.get(kind, name) for kind, name in _terms.DEFAULTS.items()})
         if options.lobe_count != lobes:
             raise ValueError("%d lobes, and the distributions of %d" % (lobes, options.lobe_count))
         if "sigma" not in options.parameters:  # its range is that of the exponent in other words
@@ -201,23 +207,33 @@ def _options(about: dict[str, Any], lobes: int, path: pathlib.Path) -> Options:
                         path=str(path)) from error
 
 
+def _further(options: Options, channels: int, lobes: int) -> dict[str, tuple[int, int]]:
+    """Maps that the model has beside the required ones, and their depth."""
+    more = _terms.more_columns(options.diffuse)
+    return {**({"f0": (channels, lobes)} if options.fresnel != "none" else {}),
+            **({"x_more": (channels, more)} if more else {})}
+
+
 def _members(arrays: dict[str, npt.NDArray[Any]], about: dict[str, Any], path: pathlib.Path) -> dict[str, Any]:
     missing = [name for name in _REQUIRED if name not in arrays]
     if about.get("schema") != SCHEMA or missing:
         raise DataError("this is not a map of schema %s" % SCHEMA if not missing else "it has no %s" % missing[0],
                         code="format", path=str(path))
     spatial, channels, lobes = arrays["status"].shape, int(about["channels"]), int(about["lobes"])
+    options = _options(about, lobes, path)
+    further = _further(options, channels, lobes)
     for name, depth in (("sigma", (lobes,)), ("x", (channels,)), ("y", (channels, lobes)), ("e2", ()),
-                        ("lower_bound", ())):
+                        ("lower_bound", ()), *further.items()):
+        if name not in arrays:
+            raise DataError("it has no %s" % name, code="format", path=str(path))
         if arrays[name].shape != (*spatial, *depth) or arrays[name].dtype != np.float64:
             raise DataError("%s is %s of shape %s, not float64 of %s" % (
                 name, arrays[name].dtype, arrays[name].shape, (*spatial, *depth)), code="format", path=str(path))
     nothing: Floats = np.full(spatial, np.nan)
-    kept = {name: arrays[name] for name in _REQUIRED}
+    kept = {name: arrays[name] for name in (*_REQUIRED, *further)}
     kept.update(channel_scale=np.full((*spatial, channels), np.nan), sum_of_squares=nothing,
                 stop=np.full(spatial, NO_STOP, np.uint8), where=np.full(spatial, -1, np.intp),
                 boxes=np.zeros(spatial, np.intp), sigma_floor=nothing)
-    options = _options(about, lobes, path)
     return {**{name: freeze(array) for name, array in kept.items()}, "samples": int(about["samples"]),
             "samples_skipped": {}, "quantity": str(about["quantity"]), "options": options,
             "stats": {name: int(count) for name, count in about["texels"].items()}, "seconds": 0.0}

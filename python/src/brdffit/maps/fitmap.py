@@ -22,6 +22,8 @@ class FitMap(Frozen):
     sigma: S x P roughnesses, those of a distribution ascending (1/sqrt(n) of a lobe that is known by its exponent n: see
         `exponent`); `distributions` says what each lobe is
     x: S x K diffuse coefficients; y: S x K x P specular ones, both in the data's units
+    f0: S x K x P reflectances at normal incidence, None without Fresnel; x_more: S x K x (1 or 2) coefficients of the
+        diffuse term's further columns, None where it has one
     channel_scale: S x K divisors: e2, lower_bound and sum_of_squares are in units of the values divided by them
     e2: S, what the norm minimises; lower_bound: S, proven: no model of this form has less; gap: e2 - lower_bound
     sum_of_squares: S, e2 of the zero model
@@ -59,6 +61,8 @@ class FitMap(Frozen):
     options: Options
     stats: Mapping[str, int]
     seconds: float
+    f0: Floats | None = None
+    x_more: Floats | None = None
 
     STATUS = STATUS
     STOP = STOP

@@ -20,7 +20,7 @@ from .arguments import TileArgument
 from .fitmap import FitMap
 from .geometry import DirectionsLike, Geometry, geometry
 from .pool import MapProgressArgument, Pool, Teller, tiles_of
-from .results import COUNTS, NOT_REACHED, Arrays, allocate, blank, shaped, unusable
+from .results import COUNTS, NOT_REACHED, Arrays, allocate, blank, shaped, terms_of, unusable
 from .stack import Stack, texel_mask
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def fit_array(values: npt.ArrayLike, light: DirectionsLike, view: npt.ArrayLike 
     flags = texel_mask(mask, stack.spatial)
     scale = positive("scale", scale)
     began = time.perf_counter()
-    results = allocate(stack.count, stack.channels, asked.lobe_count)
+    results = allocate(stack.count, stack.channels, asked.lobe_count, **terms_of(asked))
     size = count_of("tile", tile, _tile(asked, given.own, stack.count))  # type: ignore[arg-type]  # a shape is refused
     tiles = tiles_of(stack.count, size)
     pool = Pool(tiles)

@@ -11,6 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from .. import _structs as structs
+from .. import _terms
+from ..options import Options
 
 Arrays = dict[str, npt.NDArray[Any]]
 
@@ -23,13 +25,21 @@ NO_STOP = len(structs.STOP)
 COUNTS = tuple(field[0] for field in structs.ManyStats._fields_[1:])
 
 
-def allocate(count: int, channels: int, lobes: int) -> Arrays:
-    """What `count` texels are fitted into; not filled."""
+def terms_of(options: Options) -> dict[str, int]:
+    """Further arguments of `allocate`."""
+    return {"f0": int(options.fresnel != "none"), "more": _terms.more_columns(options.diffuse)}
+
+
+def allocate(count: int, channels: int, lobes: int, f0: int = 0, more: int = 0) -> Arrays:
+    """What `count` texels are fitted into; not filled. f0: whether there is one; more: columns of x_more, if any."""
+    further = {"f0": np.empty((count, channels, lobes))} if f0 else {}
+    if more:
+        further["x_more"] = np.empty((count, channels, more))
     return {"sigma": np.empty((count, lobes)), "x": np.empty((count, channels)),
             "y": np.empty((count, channels, lobes)), "channel_scale": np.empty((count, channels)),
             "e2": np.empty(count), "lower_bound": np.empty(count), "sum_of_squares": np.empty(count),
             "status": np.empty(count, np.uint8), "stop": np.empty(count, np.uint8),
-            "where": np.empty(count, np.intp), "boxes": np.empty(count, np.intp), "sigma_floor": np.empty(count)}
+            "where": np.empty(count, np.intp), "boxes": np.empty(count, np.intp), "sigma_floor": np.empty(count), **further}
 
 
 def blank(results: Arrays, part: slice, status: int) -> None:

@@ -41,6 +41,7 @@ def _at(structure: type[ctypes.Structure], name: str) -> int:
 
 
 _SIGMA, _X, _Y = (_at(structs.Model, name) for name in ("sigma", "x", "y"))
+_TERMS = tuple((name, _at(structs.Model, name)) for name in ("f0", "x_more"))
 _MODEL, _SCALE, _BOXES, _NODES, _SKIPPED = (_at(structs.Result, name) for name in (
     "model", "channel_scale", "boxes", "nodes", "samples_skipped"))
 _NUMBERS = tuple((name, _at(structs.Result, name)) for name in ("e2", "lower_bound", "sum_of_squares",
@@ -84,7 +85,8 @@ class Worker:
         self._rows = tuple((results[name].ctypes.data, width, words, pointer) for name, width, words, pointer in (
             ("sigma", row, self._model_words, _SIGMA), ("x", 8 * stack.channels, self._model_words, _X),
             ("y", row * stack.channels, self._model_words, _Y),
-            ("channel_scale", 8 * stack.channels, self._words, _SCALE)))
+            ("channel_scale", 8 * stack.channels, self._words, _SCALE),
+            *((name, results[name].strides[0], self._model_words, at) for name, at in _TERMS if name in results)))
         self._call: Callable[..., int] = core.brdffit_fit
         self._counts = dict.fromkeys((*texels.COUNTS, "no_samples"), 0)
         self._skipped = dict.fromkeys(structs.SKIP, 0)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .. import _lobes
+from .. import _lobes, _terms
 from .._words import OBJECTIVES, family, html_table
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def certificate(fits: FitMap) -> str:
     o = fits.options
     return ("Proven of each certified texel: its %s is within %.6g %% of the smallest that any %s has, or within %.6g times "
             "that of the zero model." % (OBJECTIVES[o.norm], 100 * o.relative_gap, family(
-                fits.distributions, o.sigma_range, o.exponent_range), o.absolute_gap))
+                fits.distributions, o.sigma_range, o.exponent_range, _terms.words(o)), o.absolute_gap))
 
 
 def run(fits: FitMap) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from .._arrays import freeze
 from ..maps.fitmap import FitMap
-from ..maps.results import allocate
+from ..maps.results import allocate, terms_of
 from ..options import Options
 from . import store
 
@@ -62,7 +62,7 @@ class MapArrays(Mapping[str, Any]):
         names = store.COUNTED
         total = [int(n) for n in rows.sum(axis=0)]
         skipped = total[len(names):] if self._about["own"] or not len(rows) else [int(n) for n in rows[0, len(names):]]
-        allocated = allocate(0, 1, 1)
+        allocated = allocate(0, 1, 1, **terms_of(self.options))
         shaped: dict[str, Any] = {name: freeze(np.ascontiguousarray(arrays[name], dtype=allocated[name].dtype))
                                   for name in allocated}
         out = FitMap(**shaped, samples=self.samples, samples_skipped=dict(zip(store.SKIPPED, skipped)),
@@ -81,7 +81,8 @@ def open_maps(path: Any) -> MapArrays:
     asked: dict[str, Any] = {
         name: tuple(value) if isinstance(value, list) else value for name, value in about["options"].items()}
     options = Options(**asked)
-    named = {field.name: group[field.stored] for field in store.fields(about["channels"], options.distributions)}
+    named = {field.name: group[field.stored] for field in store.fields(
+        about["channels"], options.distributions, **terms_of(options))}
     return MapArrays(named, None, {"options": options, "quantity": about["quantity"],
                                    "samples": about["samples"], "own": about["own"]}, group)
 

@@ -18,7 +18,7 @@ from ..maps.arguments import TileArgument
 from ..maps.fitmap import FitMap
 from ..maps.memory import fit_array
 from ..maps.pool import MapProgress, MapProgressArgument, Teller
-from ..maps.results import NOT_REACHED, Arrays, allocate, blank, shaped
+from ..maps.results import NOT_REACHED, Arrays, allocate, blank, shaped, terms_of
 from ..options import FitOptions, Options
 from .call import Call, prepare
 from .sources import LazySource
@@ -66,7 +66,7 @@ def fit_bands(values: Any, light: Any, view: Any, *, normal: Any, weights: Any, 
                     ahead = reader.submit(blocks[at + 1].load)
                 told.before = region[0].start * width
                 part = _fit(call, at, band, threads, inner, told if told.teller.listens else None)
-                whole = whole or _nothing(source, part.lobes)
+                whole = whole or _nothing(source, part.options)
                 _put(whole, part, told.before)
                 parts.append(dataclasses.replace(part, **{name: getattr(part, name)[:0] for name in whole}))
                 if told.stopped:
@@ -87,8 +87,9 @@ def _fit(call: Call, number: int, values: npt.NDArray[Any], threads: int | None,
         raise
 
 
-def _nothing(source: LazySource, lobes: int) -> Arrays:
-    arrays = allocate(source.spatial[0] * source.spatial[1], source.channels, lobes)
+def _nothing(source: LazySource, options: Options) -> Arrays:
+    arrays = allocate(source.spatial[0] * source.spatial[1], source.channels, options.lobe_count,
+                      **terms_of(options))
     blank(arrays, slice(None), NOT_REACHED)
     return arrays
 

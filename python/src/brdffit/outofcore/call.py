@@ -16,6 +16,7 @@ from ..maps import texelwise
 from ..maps.arguments import TileArgument
 from ..maps.batch import content, plan_for
 from ..maps.geometry import DirectionsLike, Geometry, geometry
+from ..maps.results import terms_of
 from ..maps.stack import texel_mask
 from ..options import Options
 from . import store, tiles
@@ -89,4 +90,4 @@ def prepare(source: Source, light: DirectionsLike, view: Any, normal: Any, weigh
     _check(source, given, options)
     shape = source.cut(tile)
     return Call(source, given, options, flags, positive("scale", scale), errors, shape,
-                tiles.regions(source.spatial, shape), store.fields(source.channels, options.distributions))
+                tiles.regions(source.spatial, shape), store.fields(source.channels, options.distributions, **terms_of(options)))

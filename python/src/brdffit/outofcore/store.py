@@ -33,7 +33,8 @@ SCHEMA = "brdffit.maps/1"
 COUNTED = (*COUNTS, *STATUS, "texels")
 SKIPPED = tuple(structs.SKIP)
 
-_TRAILING = {"sigma": ("lobe",), "x": ("channel",), "channel_scale": ("channel",), "y": ("channel", "lobe")}
+_TRAILING = {"sigma": ("lobe",), "x": ("channel",), "channel_scale": ("channel",), "y": ("channel", "lobe"),
+             "f0": ("channel", "lobe"), "x_more": ("channel", "diffuse_column")}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,8 +51,8 @@ class Field:
     distributions: tuple[str, ...] = ()  # along its dimension "lobe"
 
 
-def fields(channels: int, distributions: tuple[str, ...]) -> list[Field]:
-    one = allocate(1, channels, len(distributions))
+def fields(channels: int, distributions: tuple[str, ...], f0: int = 0, more: int = 0) -> list[Field]:
+    one = allocate(1, channels, len(distributions), f0, more)
     blank(one, slice(0, 1), NOT_REACHED)
     return [Field(name, {"x": "diffuse", "y": "specular"}.get(name, name), array.dtype.name, array.shape[1:],
                   _TRAILING.get(name, ()), float("nan") if array.dtype.kind == "f" else int(array.flat[0]),
@@ -127,9 +128,9 @@ def _names(group: Any) -> set[str]:
 
 def _foreign(group: Any) -> list[str]:
     """Of these what is neither an array of maps nor a coordinate of theirs."""
-    ours = {field.stored for field in fields(1, ("",))} | {"tiles"} | set(str(group.attrs.get("coordinates", "")).split())
+    ours = {field.stored for field in fields(1, ("",), 1, 1)} | {"tiles"} | set(str(group.attrs.get("coordinates", "")).split())
     if "specular" in group:  # which has all dimensions
-        ours |= set(group["specular"].metadata.dimension_names or ())
+        ours |= {*(group["specular"].metadata.dimension_names or ()), "diffuse_column"}
     return sorted(_names(group) - ours)
 
 

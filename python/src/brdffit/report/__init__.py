@@ -16,8 +16,9 @@ from urllib.parse import quote, unquote
 
 import numpy as np
 
-from .. import _lobes
+from .. import _lobes, _terms
 from .. import _structs as structs
+from .._ffi import library
 from .._version import __version__
 from .._words import readable
 from ..compare import MODELS
@@ -52,10 +53,12 @@ def _parser() -> argparse.ArgumentParser:
     p.add_argument("--lobes", type=_lobes_of, default=2, metavar="1|2|3|NAME,...",
                    help="the fit that is shown in detail: how many of --distribution, or what each is (%(default)s)")
     p.add_argument("--distribution", choices=tuple(_lobes.distributions()), default=defaults.distribution)
+    for kind, default in _terms.DEFAULTS.items():
+        p.add_argument("--" + kind, choices=library().terms[kind], default=default)
     p.add_argument("--norm", choices=structs.NORM, default=defaults.norm)
     p.add_argument("--gap", type=float, default=defaults.relative_gap, metavar="G", help="relative gap on E² (%(default)s)")
-    p.add_argument("--max-incidence", default=defaults.max_incidence, metavar="DEG", type=_degrees,
-                   help="skip light further from the normal; off: use all (%(default)s)")
+    p.add_argument("--max-incidence", default=None, metavar="DEG", type=_degrees,
+                   help="skip light further from the normal; off: use all (60; with --fresnel schlick off)")
     p.add_argument("--merl-samples", choices=("84", "table"), default="84",
                    help="which of a MERL table is fitted (%(default)s); of a .bsdf file, table is what was measured; spheres "
                    "always show all of it")
@@ -178,7 +181,8 @@ class _Batch:
     def __init__(self, arguments: argparse.Namespace, folder: pathlib.Path) -> None:
         self._arguments, self.folder = arguments, folder
         self._options = {"distribution": arguments.distribution, "norm": arguments.norm, "relative_gap": arguments.gap,
-                         "max_incidence": arguments.max_incidence, "box_budget": arguments.box_budget}
+                         "max_incidence": arguments.max_incidence, "box_budget": arguments.box_budget,
+                         **{kind: getattr(arguments, kind) for kind in _terms.DEFAULTS}}
         self.code, self._taken = CERTIFIED, {"index"}
         self.rows: list[Row] = []
         self.failures: list[Failure] = []

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .. import _lobes, _words
+from .. import _lobes, _terms, _words
 from .._arrays import Floats
 from ..boxes import Boxes, fit_boxes
 from ..compare import Comparison, compare
@@ -215,25 +215,27 @@ def objective(material: Material, sigma: Floats | Sequence[Floats], lobes: int) 
         return None
     s, fit = material.samples, material.fits[lobes]
     grids = [sigma] * lobes if isinstance(sigma, np.ndarray) else list(sigma)
-    # Lobes of a distribution share their columns, behind the diffuse one.
+    # Lobes of a distribution share their columns, behind the diffuse ones: `each` to a lobe.
+    fixed, each = 1 + _terms.more_columns(fit.diffuse), 1 if fit.fresnel == "none" else 2
     first = [0] * lobes
     wanted: list[tuple[str, float]] = []
     for name, same in _lobes.kinds(fit.distributions):
         for p in range(same.start, same.stop):
-            first[p] = 1 + len(wanted)
+            first[p] = len(wanted)
             if p + 1 == same.stop or grids[p + 1] is not grids[p]:
                 wanted += [(name, float(v)) for v in grids[p]]
-    n = len(wanted)
-    gram, t, total = np.zeros((n + 1, n + 1)), np.zeros((n + 1, len(s.channels))), 0.0
+    n = fixed + each * len(wanted)
+    gram, t, total = np.zeros((n, n)), np.zeros((n, len(s.channels))), 0.0
     for start in range(0, len(s), LARGE // 2):
         part = _part(s, slice(start, start + LARGE // 2))
-        at = places(part, material.options.max_incidence)
+        at = places(part, material.options.incidence)
         used = np.flatnonzero(at.used)
         if len(used) == 0:
             continue
         part, data = _part(part, used), at.radiance[used] / fit.channel_scale
         root = np.ones((len(part), 1)) if part.weights is None else np.sqrt(part.weights)[:, None]
-        columns = [_column(fit, part, 1.0, *wanted[0], 0.0), *(_column(fit, part, 0.0, *one, 1.0) for one in wanted)]
+        columns = [*(_column(fit, part, *wanted[0], diffuse=f) for f in range(fixed)),
+                   *(_column(fit, part, *one, f0=1.0 - second) for one in wanted for second in range(each))]
         matrix = np.stack(columns, 1) * root
         gram += matrix.T @ matrix
         t += matrix.T @ (data * root)
@@ -241,8 +243,9 @@ def objective(material: Material, sigma: Floats | Sequence[Floats], lobes: int) 
     length = np.sqrt(np.diag(gram))
     length[length == 0] = 1
     gram, t = gram / np.outer(length, length), t / length[:, None]
-    chosen = np.meshgrid(*(at + np.arange(len(grid)) for at, grid in zip(first, grids)), indexing="ij")
-    index = np.stack([np.zeros_like(chosen[0]), *chosen], -1)
+    chosen = np.meshgrid(*(fixed + each * (at + np.arange(len(grid))) for at, grid in zip(first, grids)), indexing="ij")
+    index = np.stack([*(np.full_like(chosen[0], f) for f in range(fixed)),
+                      *(one + second for one in chosen for second in range(each))], -1)
     gain = np.sum([_gain(gram, t[:, k], index) for k in range(t.shape[1])], axis=0)
     return np.asarray(np.maximum(total - gain, 0))
 
@@ -255,9 +258,12 @@ def _part(s: Samples, rows: slice | npt.NDArray[np.intp]) -> Samples:
     return Samples(**members)
 
 
-def _column(fit: Fit, s: Samples, x: float, name: str, sigma: float, y: float) -> Floats:
-    one = dataclasses.replace(fit, lobes=1, distribution=name, distributions=(name,), sigma=np.array([sigma]),
-                              x=np.array([x]), y=np.array([[y]]), channels=("",))
+def _column(fit: Fit, s: Samples, name: str, sigma: float, diffuse: int | None = None, f0: float = 0.0) -> Floats:
+    """Of the diffuse term, by number, or of a lobe."""
+    x = np.array([float(f == diffuse) for f in range(1 + _terms.more_columns(fit.diffuse))])
+    one = dataclasses.replace(fit, lobes=1, distribution=name, distributions=(name,), sigma=np.array([sigma]), x=x[:1],
+                              y=np.array([[float(diffuse is None)]]), channels=("",), x_more=x[None, 1:] if len(x) > 1 else None,
+                              f0=None if fit.f0 is None else np.array([[f0]]))
     column: Floats = one.predict_samples(s, quantity="radiance")[:, 0]
     return column
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from .. import _lobes, _words
+from .. import _lobes, _terms, _words
 from .._version import __version__
 from ..fit import Fit
 from . import _analysis as analysis
@@ -45,7 +45,7 @@ def _badge(material: Material) -> str:
 def _fit(material: Material, lobes: int) -> str:
     fit = material.fits[lobes]
     tables = "".join("<div class='scroll'>%s</div>" % _words.html_table(rows)
-                     for rows in (_words.lobe_table(fit), _words.channel_table(fit)))
+                     for rows in (_words.lobe_table(fit), _words.channel_table(fit), *_terms.tables(fit)))
     words = "".join(_paragraph(text) for text in (
         fit.certificate, proof.near_optimal_words(material, lobes), *_words.warnings(fit)) if text)
     head = _lobes.each(fit.distributions)

@@ -62,7 +62,7 @@ def by_view(material: Material) -> tuple[list[tuple[str, str, str]], list[tuple[
 
 def _view(material: Material, one: analysis.Series) -> tuple[str, str, str]:
     assert material.views is not None
-    at = analysis.places(material.views, material.options.max_incidence)
+    at = analysis.places(material.views, material.options.incidence)
     radiance, used = at.radiance[one.index], at.used[one.index]
     # Every degree and every measured angle, so that a narrow peak is not cut between them.
     angles = np.unique(np.concatenate([np.linspace(one.angle.min(), one.angle.max(), 181), one.angle]))
@@ -101,7 +101,7 @@ def _scale(values: npt.NDArray[np.float64], log: bool) -> Axis:
 
 def against(material: Material) -> Figure:
     """Fitted over measured, for samples of any arrangement."""
-    at = analysis.places(material.samples, material.options.max_incidence)
+    at = analysis.places(material.samples, material.options.incidence)
     used = np.flatnonzero(at.used)
     index = _thin(used)
     fitted = material.main.predict_samples(material.samples, quantity="radiance")
@@ -124,7 +124,7 @@ def polar_plots(material: Material) -> list[Figure]:
     picked = [plane[i] for i in sorted({0, len(plane) // 2, len(plane) - 1})] if plane else []
     for one in picked:
         assert material.views is not None
-        at = analysis.places(material.views, material.options.max_incidence)
+        at = analysis.places(material.views, material.options.incidence)
         near = at.used[one.index]
         if not near.any():
             continue
@@ -145,7 +145,7 @@ def polar_plots(material: Material) -> list[Figure]:
 
 
 def residuals(material: Material) -> list[Figure]:
-    at = analysis.places(material.samples, material.options.max_incidence)
+    at = analysis.places(material.samples, material.options.incidence)
     fitted = material.main.predict_samples(material.samples, quantity="radiance")
     off = 100 * (at.radiance - fitted) / material.main.channel_scale
     shown = shown_channels(material)
