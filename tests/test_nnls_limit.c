@@ -63,7 +63,8 @@ static void oracle_of(const struct problem *p, const struct nnls *nnls, double d
     for (i = 0; i < p->rows; i++) {
         o->data[i] = (long double)p->data[i] / data_scale;
         for (j = 0; j < p->columns; j++) {
-            o->column[j][i] = nnls->norm[j] > 0.0 ? (long double)p->column[j][i] / nnls->scale[j] / nnls->norm[j] : 0.0L;
+            o->column[j][i] = nnls->norm[j] > 0.0 ? (long double)p->column[j][i] / nnls->scale[j] / nnls->norm[j]
+                                                  : 0.0L;
         }
     }
     for (j = 0; j < p->columns; j++) {
@@ -94,10 +95,11 @@ static int judge(struct problem *p, unsigned seed)
         counts += answer.unit[j] > 0.0 ? o.a[j] * z[j] : 0.0L;
     }
     here = po_objective(&o, z);
-    if (!(counts <= 1.0L + 1e-12L) || !(here <= best + TOLERANCE * norm2) || !(fabsl(here - answer.rss) <= TOLERANCE * norm2) ||
-        !(answer.kkt <= 1e-12) || (answer.multiplier > 0.0 && !(fabsl(counts - 1.0L) <= 1e-12L))) {
-        fail_msg("seed %u, %d columns: %.17Lg (%.17g) where %.17Lg is possible, a.z %.17Lg, kkt %g, multiplier %g", seed,
-                 p->columns, here, answer.rss, best, counts, answer.kkt, answer.multiplier);
+    if (!(counts <= 1.0L + 1e-12L) || !(here <= best + TOLERANCE * norm2) ||
+        !(fabsl(here - answer.rss) <= TOLERANCE * norm2) || !(answer.kkt <= 1e-12) ||
+        (answer.multiplier > 0.0 && !(fabsl(counts - 1.0L) <= 1e-12L))) {
+        fail_msg("seed %u, %d columns: %.17Lg (%.17g) where %.17Lg is possible, a.z %.17Lg, kkt %g, multiplier %g",
+                 seed, p->columns, here, answer.rss, best, counts, answer.kkt, answer.multiplier);
     }
     return answer.multiplier > 0.0;
 }

@@ -55,8 +55,8 @@ static void see(void *user, const brdffit_box *box)
 
 static void draw_options(struct problem *p)
 {
-    static const brdffit_distribution any[] = {BRDFFIT_BECKMANN, BRDFFIT_GGX, BRDFFIT_WARD, BRDFFIT_BLINN_PHONG,
-                                               BRDFFIT_ASHIKHMIN_SHIRLEY, BRDFFIT_LAFORTUNE};
+    static const brdffit_distribution any[] = {
+        BRDFFIT_BECKMANN, BRDFFIT_GGX, BRDFFIT_WARD, BRDFFIT_BLINN_PHONG, BRDFFIT_ASHIKHMIN_SHIRLEY, BRDFFIT_LAFORTUNE};
     brdffit_options *o = &p->options;
     int i;
 
@@ -64,7 +64,9 @@ static void draw_options(struct problem *p)
     o->lobes = 1 + (int)brdffit_test_below(&p->random, 2 + (brdffit_test_below(&p->random, 6) == 0));
     o->fresnel = (brdffit_fresnel)(brdffit_test_below(&p->random, 3) == 0);
     o->diffuse = brdffit_test_below(&p->random, 4) || o->fresnel ? BRDFFIT_DIFFUSE_LAMBERT : BRDFFIT_DIFFUSE_OREN_NAYAR;
-    o->masking = (brdffit_masking)(brdffit_test_below(&p->random, 3) ? 0 : brdffit_test_below(&p->random, BRDFFIT_MASKING_COUNT));
+    o->masking = (brdffit_masking)(brdffit_test_below(&p->random, 3)
+                                       ? 0
+                                       : brdffit_test_below(&p->random, BRDFFIT_MASKING_COUNT));
     o->normalise = (brdffit_normalise)(brdffit_test_below(&p->random, 4) == 0);
     for (i = 0; i < o->lobes; i++) {
         p->lobes[i] = any[brdffit_test_below(&p->random, o->masking ? 2 : 6)];
@@ -103,7 +105,9 @@ static void draw(struct problem *p, uint64_t seed)
     spec.weighted = brdffit_test_below(&p->random, 3) == 0;
     brdffit_test_data_new(&spec, &p->data);
     scale = brdffit_test_log_uniform(&p->random, 0.3, 30.0);
-    scale = brdffit_test_below(&p->random, 20) || p->options.normalise == BRDFFIT_NORMALISE_NONE ? scale : brdffit_test_below(&p->random, 2) ? 1e-250 : 1e60;
+    scale = brdffit_test_below(&p->random, 20) || p->options.normalise == BRDFFIT_NORMALISE_NONE ? scale
+            : brdffit_test_below(&p->random, 2)                                                  ? 1e-250
+                                                                                                 : 1e60;
     for (i = 0; i < SAMPLES * CHANNELS; i++) {
         p->data.values[i] *= scale;
     }
@@ -180,7 +184,8 @@ static void open_columns(const struct problem *p, const double *sigma, struct ph
         for (i = 0; i < SAMPLES && norm > 0.0L; i++) {
             o->column[j][i] /= norm;
         }
-        counts[j] = norm > 0.0L ? (j < F ? 1.0L : weight_of(p->result->model->distributions[(j - F) / Q])) / norm : 1e40L;
+        counts[j] = norm > 0.0L ? (j < F ? 1.0L : weight_of(p->result->model->distributions[(j - F) / Q])) / norm
+                                : 1e40L;
     }
 }
 
@@ -347,8 +352,9 @@ static void test_random(void **state)
         judge(&p, seed, &t);
         brdffit_test_data_free(&p.data);
     }
-    print_message("%u bind, %u do not, %u certified; binding with Fresnel %u, rough diffuse %u, masking %u; lobes %u %u %u\n",
-                  t.binding, t.free, t.certified, t.fresnel, t.rough, t.smith, t.lobes[1], t.lobes[2], t.lobes[3]);
+    print_message(
+        "%u bind, %u do not, %u certified; binding with Fresnel %u, rough diffuse %u, masking %u; lobes %u %u %u\n",
+        t.binding, t.free, t.certified, t.fresnel, t.rough, t.smith, t.lobes[1], t.lobes[2], t.lobes[3]);
     assert_true(t.binding > PROBLEMS / 4 && t.free > PROBLEMS / 10 && t.certified > PROBLEMS / 2);
     assert_true(t.fresnel && t.rough && t.smith && t.lobes[1] && t.lobes[2] && t.lobes[3]);
 }

@@ -394,8 +394,7 @@ double brdffit_fit_allowance(const struct fit *f, const struct point *at, double
 {
     double unit = (TOL_PUBLISHED + (f->data.table[0].masked ? TOL_MASKING : 0.0) + (f->physical ? TOL_PHYSICAL : 0.0)) *
                   TOL_UNIT,
-           total = f->data.total,
-           geometry;
+           total = f->data.total, geometry;
 
     geometry = geometry_error(f, at->theta, objective) * (1.0 + TOL_ALLOWANCE);
     if (f->norm != BRDFFIT_NORM_L2) {

@@ -48,9 +48,9 @@ struct nnls_answer {
     double unit[NNLS_COLUMNS]; /* the same for columns of unit norm and data divided by `data_scale` */
     double data_scale;      /* power of two that brings the data to about 1 */
     double rss;             /* sum of squared residuals of data / data_scale */
-    double multiplier;      /* of the limit a.z <= 1, unit columns and data; 0 where it does not bind, or there is none */
-    double kkt;             /* largest violation of the KKT conditions, relative to the data's norm */
-    unsigned support;       /* bit j: column j is used */
+    double multiplier; /* of the limit a.z <= 1, unit columns and data; 0 where it does not bind, or there is none */
+    double kkt; /* largest violation of the KKT conditions, relative to the data's norm */
+    unsigned support; /* bit j: column j is used */
 };
 
 /* Factor `columns` (1 to 7) columns of `rows` finite values; q: columns x rows doubles of the caller's. */

@@ -180,7 +180,8 @@ static unsigned barred(const double *a, int columns)
     return bits;
 }
 
-unsigned brdffit_nnls_limited(const struct nnls *nnls, const double *t, const double *a, double *unit, double *multiplier)
+unsigned brdffit_nnls_limited(const struct nnls *nnls, const double *t, const double *a, double *unit,
+                              double *multiplier)
 {
     const int columns = nnls->columns;
     double least = dot(t, t, columns);

@@ -23,6 +23,7 @@ unsigned brdffit_nnls_enumerate(const struct nnls *nnls, const double *t, double
 unsigned brdffit_nnls_active(const struct nnls *nnls, const double *t, double *unit);
 
 /* The same with a.unit <= 1, and the multiplier of that, by trying all of them. */
-unsigned brdffit_nnls_limited(const struct nnls *nnls, const double *t, const double *a, double *unit, double *multiplier);
+unsigned brdffit_nnls_limited(const struct nnls *nnls, const double *t, const double *a, double *unit,
+                              double *multiplier);
 
 #endif

@@ -18,15 +18,15 @@ struct varpro {
                      does not bind */
     double theta_low[SIDES_MOST], theta_high[SIDES_MOST]; /* domain of a descent, of each side */
 
-    double *phi;                 /* stride: the shape in use */
-    double *x, *slope;           /* stride: -ell and slope of lobes that are not exponential */
+    double *phi; /* stride: the shape in use */
+    double *x, *slope; /* stride: -ell and slope of lobes that are not exponential */
     double *column[MOVING_MOST]; /* R each: the columns of the lobes */
-    double *first[MOVING_MOST];  /* R each: d column / d theta */
+    double *first[MOVING_MOST]; /* R each: d column / d theta */
     double *second[MOVING_MOST]; /* R each */
-    double *q;                   /* columns x R */
-    double *residual;            /* R */
+    double *q; /* columns x R */
+    double *residual; /* R */
     struct nnls nnls;
-    struct nnls_answer *answer;  /* K, of the last evaluation */
+    struct nnls_answer *answer; /* K, of the last evaluation */
 };
 
 /* The table of the geometry that column c of the lobes sees. */

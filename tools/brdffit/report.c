@@ -258,9 +258,9 @@ static void physical(struct cli_text *text, struct cli_style style, const struct
     if (r->at_limit == NULL) {
         return;
     }
-    brdffit_cli_text_puts(&words, r->channels_at_limit == 0 ? "the bounds hold, and bind nowhere."
-                          : r->channels_at_limit == 1       ? "the bounds hold, and bind in channel "
-                                                            : "the bounds hold, and bind in channels ");
+    brdffit_cli_text_puts(&words, r->channels_at_limit == 0   ? "the bounds hold, and bind nowhere."
+                                  : r->channels_at_limit == 1 ? "the bounds hold, and bind in channel "
+                                                              : "the bounds hold, and bind in channels ");
     for (size_t k = 0; k < r->model->channels; k++) {
         if (r->at_limit[k]) {
             brdffit_cli_text_puts(&words, named++ > 0 ? ", " : "");

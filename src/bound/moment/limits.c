@@ -151,7 +151,8 @@ static double lowered(double t, double multiplier, double a, double norm)
 }
 
 /* Channel k at the lowest or highest corner: its multiplier, and its coefficients. */
-static double multiplier_at(const struct view *v, const struct nnls *nnls, const double *a, int high, size_t k, double *unit)
+static double multiplier_at(const struct view *v, const struct nnls *nnls, const double *a, int high, size_t k,
+                            double *unit)
 {
     double t[COLUMNS_MOST], norm = v->engine->moments.norm[k], out;
     int c, F = v->engine->model->fixed;

@@ -14,7 +14,8 @@ struct limits {
     double *multiplier;
     double *omega[FIXED_MOST];
     double *tau[MOVING_MOST][2], *shift[MOVING_MOST], *sup[MOVING_MOST];
-    double loss[SIDES_MOST]; /* what a corner's gain is too high by at most, as what limits count for is not known along a side */
+    double loss
+        [SIDES_MOST]; /* what a corner's gain is too high by at most, as what limits count for is not known along a side */
     double raised; /* what a gain of the box is to be raised by: the sum of multipliers, and its rounding */
 };
 
