@@ -235,6 +235,7 @@ BRDFFIT_API int brdffit_weights_crowded(const brdffit_samples *samples, const do
  * BLINN_PHONG          n          (n + 2) / (2 pi)  -ln cos alpha     n.l
  * ASHIKHMIN_SHIRLEY    n          (n + 1) / (8 pi)  -ln cos alpha     (n.l) / ((v.h) max(n.l, n.v))
  * LAFORTUNE            n          (n + 2) / (2 pi)  -ln(r.v)          n.l; 0 where r.v <= 0
+ * RETRO                1/sigma^2  s / pi            |l - v|^2         n.l
  *
  * with G = min{1, 2 (n.h)(n.v) / (v.h), 2 (n.h)(n.l) / (v.h)} and r the mirrored light, 2 (n.l) n - l; so
  * exp(-c n) is cos^n alpha or (r.v)^n. n is any positive number. Sources: Cook and Torrance 1982 with Beckmann, as
@@ -250,13 +251,16 @@ typedef enum brdffit_distribution {
     BRDFFIT_BLINN_PHONG,
     BRDFFIT_ASHIKHMIN_SHIRLEY,
     BRDFFIT_LAFORTUNE,
+    BRDFFIT_RETRO,
     BRDFFIT_DISTRIBUTION_COUNT
 } brdffit_distribution;
 
-/* Constant name: "beckmann", "ggx", "torrance-sparrow", "ward", "blinn-phong", "ashikhmin-shirley", "lafortune". */
+/* Constant name: "beckmann", "ggx", "torrance-sparrow", "ward", "blinn-phong", "ashikhmin-shirley", "lafortune",
+ * "retro". */
 BRDFFIT_API const char *brdffit_distribution_string(brdffit_distribution distribution);
 
-/* Constant name as it stands in a sentence: "Beckmann", "GGX", ..., "Ashikhmin-Shirley", "Lafortune". */
+/* Constant name as it stands in a sentence: "Beckmann", "GGX", ..., "Ashikhmin-Shirley", "Lafortune",
+ * "retro". */
 BRDFFIT_API const char *brdffit_distribution_title(brdffit_distribution distribution);
 
 /* Constant name of the parameter that the distribution is known by: "sigma" where s = 1/sigma^2, "exponent" where
@@ -420,7 +424,7 @@ typedef struct brdffit_options {
     int physical; /* 1: models that reflect no more than they receive, and no others: in each channel the sum of
                                 all diffuse x and of the reflectance of each lobe is at most 1, and so is each of them. That
                                 is 4 y of BECKMANN and GGX (y = F / 4, and so F0 <= 1), y of WARD, BLINN_PHONG,
-                                ASHIKHMIN_SHIRLEY and LAFORTUNE; with Fresnel the y that F multiplies. Values have to be
+                                ASHIKHMIN_SHIRLEY, LAFORTUNE and RETRO; with Fresnel the y that F multiplies. Values have to be
                                 absolute: of data in units of their own it means nothing. Norm L2 and engine moment only,
                                 no sums, no TORRANCE_SPARROW lobes, which are not normalised: else BRDFFIT_ERR_UNSUPPORTED.
                                 Where the fit without it obeys, that is the result, to the bit; where not, a second search

@@ -19,6 +19,7 @@ static inline int by_exponent(brdffit_distribution distribution)
     case BRDFFIT_GGX:
     case BRDFFIT_TORRANCE_SPARROW:
     case BRDFFIT_WARD:
+    case BRDFFIT_RETRO:
     case BRDFFIT_DISTRIBUTION_COUNT: return 0;
     case BRDFFIT_BLINN_PHONG:
     case BRDFFIT_ASHIKHMIN_SHIRLEY:
@@ -74,6 +75,11 @@ static inline long double textbook(brdffit_distribution distribution, const doub
     case BRDFFIT_ASHIKHMIN_SHIRLEY:
         return l[2] * (parameter + 1.0L) / (8.0L * PI) * powl(nh, parameter) / (vh * fmaxl(l[2], v[2]));
     case BRDFFIT_LAFORTUNE: return l[2] * (parameter + 2.0L) / (2.0L * PI) * powl(fmaxl(dot(r, v), 0.0L), parameter);
+    case BRDFFIT_RETRO:
+        for (j = 0; j < 3; j++) {
+            r[j] = l[j] - v[j];
+        }
+        return l[2] * expl(-dot(r, r) / (parameter * parameter)) / (PI * parameter * parameter);
     case BRDFFIT_DISTRIBUTION_COUNT: break;
     }
     return NAN;

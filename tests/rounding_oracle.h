@@ -14,7 +14,8 @@
 __extension__ typedef __float128 quad;
 
 struct oracle_angles {
-    quad light, view, tan2, difference, off, mirror; /* n.l, n.v, tan^2 alpha, v.h, 1 - r.v, r.v */
+    quad light, view, tan2, difference, off, mirror,
+        apart2; /* n.l, n.v, tan^2 alpha, v.h, 1 - r.v, r.v, |l - v|^2 / 4 */
 };
 
 struct oracle_row {
@@ -66,7 +67,7 @@ static inline void oracle_cross(const quad *u, const quad *v, quad *out)
 
 static inline struct oracle_angles oracle_angles(const quad *l, const quad *v, const quad *n)
 {
-    quad nxl[3], nxv[3], across = 0, half = 0, dot[3], length_l = sqrtq(oracle_dot(l, l)),
+    quad nxl[3], nxv[3], across = 0, half = 0, apart = 0, dot[3], length_l = sqrtq(oracle_dot(l, l)),
                          length_v = sqrtq(oracle_dot(v, v));
     quad length_n = sqrtq(oracle_dot(n, n));
     struct oracle_angles at;
@@ -78,14 +79,16 @@ static inline struct oracle_angles oracle_angles(const quad *l, const quad *v, c
     oracle_cross(n, v, nxv);
     for (j = 0; j < 3; j++) {
         quad part = (nxl[j] * length_v + nxv[j] * length_l) / (length_n * length_l * length_v);
-        quad h = l[j] / length_l + v[j] / length_v;
+        quad h = l[j] / length_l + v[j] / length_v, d = l[j] / length_l - v[j] / length_v;
 
         across += part * part;
         half += h * h;
+        apart += d * d;
         dot[j] = l[j] * v[j];
     }
     at.tan2 = across / ((at.light + at.view) * (at.light + at.view));
     at.difference = sqrtq(half) / 2;
+    at.apart2 = apart / 4;
     at.off = ((at.light - at.view) * (at.light - at.view) + across) / 2;
     at.mirror = 2 * at.light * at.view - oracle_sum(dot, 3) / (length_l * length_v);
     return at;
@@ -117,6 +120,10 @@ static inline struct oracle_row oracle_row(brdffit_distribution distribution, co
         row.b = g / (pi * at->view) * (1 + at->tan2) * (1 + at->tan2);
         row.c = at->tan2;
         break;
+    case BRDFFIT_RETRO:
+        row.b = at->light;
+        row.c = 4 * at->apart2;
+        break;
     case BRDFFIT_DISTRIBUTION_COUNT: row.b = row.c = nanq(""); break;
     }
     return row;
@@ -129,6 +136,7 @@ static inline int oracle_by_exponent(brdffit_distribution distribution)
     case BRDFFIT_GGX:
     case BRDFFIT_TORRANCE_SPARROW:
     case BRDFFIT_WARD:
+    case BRDFFIT_RETRO:
     case BRDFFIT_DISTRIBUTION_COUNT: return 0;
     case BRDFFIT_BLINN_PHONG:
     case BRDFFIT_ASHIKHMIN_SHIRLEY:
@@ -152,6 +160,7 @@ static inline quad oracle_lambda(brdffit_distribution distribution, quad s)
     case BRDFFIT_BLINN_PHONG:
     case BRDFFIT_LAFORTUNE: return (s + 2) / (2 * oracle_pi());
     case BRDFFIT_ASHIKHMIN_SHIRLEY: return (s + 1) / (8 * oracle_pi());
+    case BRDFFIT_RETRO: return s / oracle_pi();
     case BRDFFIT_BECKMANN:
     case BRDFFIT_GGX:
     case BRDFFIT_WARD: return s;

@@ -4,6 +4,7 @@ What needs build/curves or build/kernel (`make bench-programs`: levmar, Ceres, N
 SPDX-License-Identifier: MIT
 """
 import csv
+import ctypes
 import math
 import os
 import pathlib
@@ -12,7 +13,9 @@ import subprocess
 import sys
 import types
 
+import numpy
 import pytest
+from scipy import optimize
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = (ROOT / os.environ.get("BRDFFIT_BUILD", "build")).resolve()
@@ -22,6 +25,7 @@ sys.path.insert(0, str(ROOT / "tools" / "bench"))
 import bench_arithmetic as a  # noqa: E402
 import bench_programs as programs  # noqa: E402
 import bench_text  # noqa: E402
+import scipy_peers  # noqa: E402
 
 SANITIZED = "asan" in BUILD.name  # shadow memory counts there
 
@@ -208,8 +212,6 @@ def test_no_method_is_below_the_bound_and_the_known_optimum_comes_out(hard_rows)
 def test_the_reduced_objective_is_the_residuals(tmp_path):
     if not (BUILD / "libcurves_reduced.so").exists():
         pytest.skip("build/libcurves_reduced.so is not there (make bench-programs)")
-    import scipy_peers
-
     draw = random.Random(1)
     run("families", tmp_path, "--members", 1)
     for path in (HARD / "mis.csv", HARD / "one.csv", tmp_path / "near" / "01.csv"):
@@ -229,8 +231,6 @@ def test_the_reduced_objective_is_the_residuals(tmp_path):
 def test_the_gradient_is_that_of_the_objective():
     if not (BUILD / "libcurves_reduced.so").exists():
         pytest.skip("build/libcurves_reduced.so is not there (make bench-programs)")
-    import scipy_peers
-
     problem, step = scipy_peers.Reduced(BUILD / "libcurves_reduced.so", HARD / "mis.csv", 2), 1e-5
     for u in ([-4.0, -1.5], [-2.5, -1.0], [-3.0, 0.5]):
         _, slope = problem.value_and_gradient(u)
@@ -239,6 +239,142 @@ def test_the_gradient_is_that_of_the_objective():
             # central difference: step^2 times a third derivative of a few, and rounding over step
             assert math.isclose(slope[j], (ends[0] - ends[1]) / (2 * step), rel_tol=1e-5, abs_tol=1e-8)
     problem.close()
+
+
+# ---- Variable projection against derivatives of the samples' own residuals -----------------------------------------------
+
+KAUFMAN, GOLUB_PEREYRA, NEWTON = range(3)
+
+
+def samples_of(path):
+    """a, b, c and the channels, each divided by its largest value."""
+    table = numpy.loadtxt(path, delimiter=",", skiprows=1)
+    return table[:, 0], table[:, 1], table[:, 2], table[:, 3:] / table[:, 3:].max(axis=0)
+
+
+def columns_at(a, b, c, u):
+    return numpy.column_stack([a, *(b * numpy.exp(-(c - c.min()) * math.exp(-2.0 * v)) for v in u)])
+
+
+def supports_at(path, u):
+    a, b, c, values = samples_of(path)
+    return [optimize.nnls(columns_at(a, b, c, u), values[:, k])[0] for k in range(values.shape[1])]
+
+
+def residuals_at(path, u, coefficients):
+    """Of all channels, the coefficients of the given supports being optimal without a sign."""
+    a, b, c, values = samples_of(path)
+    columns, left = columns_at(a, b, c, u), []
+    for k, z in enumerate(coefficients):
+        q, _ = numpy.linalg.qr(columns[:, z > 0])
+        left.append(values[:, k] - q @ (q.T @ values[:, k]))
+    return numpy.concatenate(left)
+
+
+def shifted(u, j, step):
+    return [v + step * (i == j) for i, v in enumerate(u)]
+
+
+def kaufman_at(path, u, coefficients):
+    """2 J^T J with J_p = -P dPhi_p z, P from a QR factorisation and dPhi from its formula."""
+    a, b, c, _ = samples_of(path)
+    columns, c = columns_at(a, b, c, u), c - c.min()
+    moved = numpy.column_stack([2.0 * c * math.exp(-2.0 * v) * columns[:, 1 + p] for p, v in enumerate(u)])
+    jacobian = []
+    for z in coefficients:
+        q, _ = numpy.linalg.qr(columns[:, z > 0])
+        part = moved * z[1:]
+        jacobian.append(part - q @ (q.T @ part))
+    jacobian = numpy.concatenate(jacobian)
+    return 2.0 * jacobian.T @ jacobian
+
+
+def half_gradient_at(path, u, coefficients, step=1e-4):
+    """J^T r by differences of E2."""
+    ends = [[numpy.sum(residuals_at(path, shifted(u, j, sign * step), coefficients) ** 2) for sign in (1, -1)]
+            for j in range(len(u))]
+    return numpy.array([(plus - minus) / (4 * step) for plus, minus in ends])
+
+
+def projected(problem, u, kind):
+    """(gradient, matrix, Kaufman's matrix) of tools/bench/curves_projected.c."""
+    lobes = len(u)
+    call = problem.library.curves_projected
+    call.restype = None
+    call.argtypes = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double * 2, ctypes.c_int, ctypes.c_double * 2,
+                     *[ctypes.c_double * 4] * 2]
+    at, gradient, matrix, safe = (ctypes.c_double * 2)(*u), (ctypes.c_double * 2)(), (ctypes.c_double * 4)(), \
+        (ctypes.c_double * 4)()
+    problem.value(u)
+    call(problem.handle, lobes, at, kind, gradient, matrix, safe)
+    return (numpy.array(gradient[:lobes]), *(numpy.array(m[: lobes * lobes]).reshape(lobes, lobes) for m in (matrix, safe)))
+
+
+# Where supports stay as they are a step away: no coefficient near 0, no other one about to enter.
+PLACES = [("mis.csv", [-1.0]), ("two.csv", [-1.5]), ("one.csv", [-0.7]), ("mis.csv", [-2.5, -1.0]), ("two.csv", [-2.6, -1.2]),
+          ("one.csv", [-1.0, -0.2]), ("mis.csv", [-1.4, -0.6])]  # the last: one lobe has no coefficient
+
+
+@needs_curves
+@pytest.mark.parametrize(("file", "u"), PLACES)
+def test_projected_derivatives_are_those_of_the_samples(file, u):
+    if not (BUILD / "libcurves_reduced.so").exists():
+        pytest.skip("build/libcurves_reduced.so is not there (make bench-programs)")
+    path, step, lobes = HARD / file, 1e-4, len(u)
+    problem, z = scipy_peers.Reduced(BUILD / "libcurves_reduced.so", path, lobes), supports_at(HARD / file, u)
+    assert any(z_k[1:].any() for z_k in z)  # else all is 0
+    gradient, newton, safe = projected(problem, u, NEWTON)
+    _, turned, _ = projected(problem, u, GOLUB_PEREYRA)
+    kaufman = projected(problem, u, KAUFMAN)[1]
+    ends = [[residuals_at(path, shifted(u, j, sign * step), z) for sign in (1, -1)] for j in range(lobes)]
+    jacobian = numpy.column_stack([(plus - minus) / (2 * step) for plus, minus in ends])
+    # central differences: step^2 times third derivatives of a few tens
+    scale = numpy.abs(newton).max() + numpy.abs(kaufman).max()
+    assert numpy.allclose(gradient, 2 * jacobian.T @ residuals_at(path, u, z), rtol=1e-6, atol=1e-6 * scale)
+    assert numpy.allclose(turned, 2 * jacobian.T @ jacobian, rtol=1e-6, atol=1e-6 * scale)
+    assert numpy.allclose(kaufman, kaufman_at(path, u, z), rtol=1e-11, atol=1e-11 * scale)  # no differences: rounding
+    assert numpy.array_equal(kaufman, safe)
+    for j in range(lobes):
+        slopes = [2 * half_gradient_at(path, shifted(u, j, sign * step), z) for sign in (1, -1)]
+        assert numpy.allclose(newton[:, j], (slopes[0] - slopes[1]) / (2 * step), rtol=1e-5, atol=1e-5 * scale)
+    problem.close()
+
+
+@needs_curves
+def test_every_matrix_of_variable_projection_finds_the_known_optima():
+    text = run("curves", "--set", "hard", "--methods", "moment,varpro,varpro:kaufman,varpro:golub-pereyra", "--starts", 5,
+               "--repeat", 1, HARD / "two.csv", HARD / "one.csv", HARD / "mis.csv")
+    rows = list(csv.DictReader(text.splitlines()))
+    best = a.optima(rows)
+    assert len(best) == 6 and not a.contradictions(rows, best)
+    for method in ("varpro", "varpro:kaufman", "varpro:golub-pereyra"):
+        for key, proof_row in best.items():
+            found = [float(r["e2"]) for r in rows if r["method"] == method and a.identity(r) == key]
+            # 1, 2, 5 ... 100 starts, which are the same ones; a start ends within 1e-8
+            assert len(found) == 7 and all(x <= y * (1.0 + 1e-7) for x, y in zip(found[1:], found))
+            assert a.excess(found[-1], float(proof_row["e2"])) <= a.FOUND, (method, key)
+
+
+@needs_curves
+def test_recursion_takes_whole_rounds_and_ends(hard_rows):
+    rows = [r for r in hard_rows if r["method"].startswith("recursive")]
+    assert {r["method"] for r in rows} == {"recursive", "recursive-box"}
+    for r in rows:
+        rounds = float(r["nodes"]) / float(r["knob"])
+        # the second round is the first that can find nothing better
+        assert rounds == int(rounds) and 2 <= rounds <= 10, r
+
+
+@needs_curves
+def test_every_method_has_a_name_and_a_knob():
+    import bench_labels
+
+    listing = run("curves", "--list").splitlines()
+    methods = {line.split(",")[1] for line in listing if line.startswith("method,") and not line.endswith(",variant")}
+    assert methods <= set(bench_labels.LABELS) and methods <= set(bench_labels.KNOBS)
+    assert {"varpro", "recursive", "recursive-box"} <= methods
+    assert bench_text.knob("varpro", 1000.0) == "1,000 starts"
+    assert bench_text.knob("recursive", 5.0) == "5 starts a round"
 
 
 @pytest.mark.skipif(not (BUILD / "kernel").exists(), reason="build/kernel is not there (make bench-programs)")

@@ -56,7 +56,8 @@ static void see(void *user, const brdffit_box *box)
 static void draw_options(struct problem *p)
 {
     static const brdffit_distribution any[] = {
-        BRDFFIT_BECKMANN, BRDFFIT_GGX, BRDFFIT_WARD, BRDFFIT_BLINN_PHONG, BRDFFIT_ASHIKHMIN_SHIRLEY, BRDFFIT_LAFORTUNE};
+        BRDFFIT_BECKMANN,          BRDFFIT_GGX,       BRDFFIT_WARD, BRDFFIT_BLINN_PHONG,
+        BRDFFIT_ASHIKHMIN_SHIRLEY, BRDFFIT_LAFORTUNE, BRDFFIT_RETRO};
     brdffit_options *o = &p->options;
     int i;
 
@@ -69,7 +70,7 @@ static void draw_options(struct problem *p)
                                        : brdffit_test_below(&p->random, BRDFFIT_MASKING_COUNT));
     o->normalise = (brdffit_normalise)(brdffit_test_below(&p->random, 4) == 0);
     for (i = 0; i < o->lobes; i++) {
-        p->lobes[i] = any[brdffit_test_below(&p->random, o->masking ? 2 : 6)];
+        p->lobes[i] = any[brdffit_test_below(&p->random, o->masking ? 2 : 7)];
         p->lobes[i] = i > 0 && brdffit_test_below(&p->random, 2) ? p->lobes[0] : p->lobes[i];
     }
     o->distributions = p->lobes;

@@ -29,6 +29,7 @@ static inline int verify_by_exponent(brdffit_distribution distribution)
     case BRDFFIT_GGX:
     case BRDFFIT_TORRANCE_SPARROW:
     case BRDFFIT_WARD:
+    case BRDFFIT_RETRO:
     case BRDFFIT_DISTRIBUTION_COUNT: return 0;
     case BRDFFIT_BLINN_PHONG:
     case BRDFFIT_ASHIKHMIN_SHIRLEY:
@@ -96,6 +97,10 @@ static inline void verify_row(brdffit_distribution distribution, const struct ve
         out->b = verify_shadowing(at) / (VERIFY_PI * at->nv * cos2 * cos2);
         out->c = at->tan2;
         return;
+    case BRDFFIT_RETRO:
+        out->b = at->nl;
+        out->c = 4.0L * (1.0L - at->vh) * (1.0L + at->vh);
+        return;
     case BRDFFIT_DISTRIBUTION_COUNT: break;
     }
     out->b = out->c = NAN;
@@ -114,6 +119,7 @@ static inline long double verify_error_c(brdffit_distribution distribution, cons
     case BRDFFIT_TORRANCE_SPARROW: slope = 2.0L * root; break;
     case BRDFFIT_BLINN_PHONG:
     case BRDFFIT_ASHIKHMIN_SHIRLEY: slope = tangent; break;
+    case BRDFFIT_RETRO: slope = 4.0L * root; break;
     case BRDFFIT_LAFORTUNE:
         off = verify_off_mirror(at);
         slope = off < 1.0L ? sqrtl(off * (2.0L - off)) / (1.0L - off) : 0.0L;
@@ -139,6 +145,7 @@ static inline long double verify_lobe(brdffit_distribution distribution, long do
     case BRDFFIT_ASHIKHMIN_SHIRLEY: return (s + 1.0L) / (8.0L * VERIFY_PI) * expl(-c * s);
     case BRDFFIT_BLINN_PHONG:
     case BRDFFIT_LAFORTUNE: return (s + 2.0L) / (2.0L * VERIFY_PI) * expl(-c * s);
+    case BRDFFIT_RETRO: return s / VERIFY_PI * expl(-c * s);
     case BRDFFIT_BECKMANN:
     case BRDFFIT_WARD: return s * expl(-c * s);
     case BRDFFIT_DISTRIBUTION_COUNT: break;

@@ -63,7 +63,11 @@ LANES_INLINE int vec_any(vec_mask mask)
 }
 
 #define GAIN_NAME(part) gain_##part##_unrolled
+#if defined(__SANITIZE_ADDRESS__) || !defined(__OPTIMIZE__)
+#define GAIN_UNROLL /* compiled for other things than speed, loops may be gone before they are unrolled */
+#else
 #define GAIN_UNROLL _Pragma("GCC unroll 32")
+#endif
 #include "kernels/gain_n_loops.h"
 #define GAIN_NAME(part) gain_##part##_rolled
 #define GAIN_UNROLL

@@ -105,7 +105,7 @@ struct lobe_kind {
 };
 
 extern const struct lobe_kind brdffit_lobe_beckmann, brdffit_lobe_ggx, brdffit_lobe_torrance_sparrow, brdffit_lobe_ward,
-    brdffit_lobe_blinn_phong, brdffit_lobe_ashikhmin_shirley, brdffit_lobe_lafortune;
+    brdffit_lobe_blinn_phong, brdffit_lobe_ashikhmin_shirley, brdffit_lobe_lafortune, brdffit_lobe_retro;
 
 /* GGX without masking. */
 extern const struct lobe_kind brdffit_lobe_ggx_bare;

@@ -14,6 +14,7 @@ static const struct lobe_kind *const table[BRDFFIT_DISTRIBUTION_COUNT] = {
     [BRDFFIT_BLINN_PHONG] = &brdffit_lobe_blinn_phong,
     [BRDFFIT_ASHIKHMIN_SHIRLEY] = &brdffit_lobe_ashikhmin_shirley,
     [BRDFFIT_LAFORTUNE] = &brdffit_lobe_lafortune,
+    [BRDFFIT_RETRO] = &brdffit_lobe_retro,
 };
 
 const struct lobe_kind *brdffit_lobe_kind_of(brdffit_distribution distribution)

@@ -69,8 +69,8 @@ quad quad_largest(const struct quad_problem *p, size_t channel);
 struct quad_row {
     quad a[QUAD_FIXED], b, c, light, view, w, to_radiance; /* light, view: tan^2 of their angles with the normal */
 };
-int quad_row(const brdffit_samples *samples, size_t i, brdffit_distribution distribution, const brdffit_options *options,
-             struct quad_row *row, brdffit_skip *why, int *doubtful);
+int quad_row(const brdffit_samples *samples, size_t i, brdffit_distribution distribution,
+             const brdffit_options *options, struct quad_row *row, brdffit_skip *why, int *doubtful);
 
 /* Sum of n terms as if in threefold precision; the terms are destroyed. */
 quad quad_sum(quad *term, int n);

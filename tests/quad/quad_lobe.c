@@ -16,6 +16,7 @@ int quad_by_exponent(brdffit_distribution distribution)
     case BRDFFIT_GGX:
     case BRDFFIT_TORRANCE_SPARROW:
     case BRDFFIT_WARD:
+    case BRDFFIT_RETRO:
     case BRDFFIT_DISTRIBUTION_COUNT: return 0;
     case BRDFFIT_BLINN_PHONG:
     case BRDFFIT_ASHIKHMIN_SHIRLEY:
@@ -73,6 +74,10 @@ void quad_coefficients(brdffit_distribution distribution, brdffit_masking maskin
     case BRDFFIT_LAFORTUNE:
         row->b = at->rv > 0 ? at->nl : 0;
         row->c = !(at->rv > 0) ? 0 : at->off < 0.5 ? -log1pq(-at->off) : -logq(at->rv);
+        return;
+    case BRDFFIT_RETRO:
+        row->b = at->nl;
+        row->c = 4 * at->versine * (1 + at->vh);
         return;
     case BRDFFIT_BECKMANN:
     case BRDFFIT_GGX:
@@ -144,6 +149,7 @@ quad quad_lambda(brdffit_distribution distribution, quad s)
     case BRDFFIT_BECKMANN:
     case BRDFFIT_GGX:
     case BRDFFIT_WARD: return s;
+    case BRDFFIT_RETRO: return s / pi;
     case BRDFFIT_DISTRIBUTION_COUNT: break;
     }
     return nanq("");
@@ -160,7 +166,8 @@ quad quad_shape(brdffit_distribution distribution, quad s, quad c, quad c_min)
     case BRDFFIT_WARD:
     case BRDFFIT_BLINN_PHONG:
     case BRDFFIT_ASHIKHMIN_SHIRLEY:
-    case BRDFFIT_LAFORTUNE: return expq(-(c - c_min) * s);
+    case BRDFFIT_LAFORTUNE:
+    case BRDFFIT_RETRO: return expq(-(c - c_min) * s);
     case BRDFFIT_DISTRIBUTION_COUNT: break;
     }
     return nanq("");

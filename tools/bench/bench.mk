@@ -13,8 +13,8 @@ BENCH_OUT := $(BUILD)/bench
 CURVES := $(call object,$(sort $(wildcard tools/bench/curves_*.c)))
 CURVES_PEERS := $(call object,tools/bench/peers_problem.c tools/bench/peers_start.c tools/bench/peers_levmar.c)
 # The peers' inner loops: as fast as the compiler can make them (see curves_reduced.c).
-CURVES_FAST := $(OBJ)/tools/bench/curves_reduced.o $(OBJ)/tools/bench/curves_grid.o
-CURVES_REDUCED := $(OBJ)/tools/bench/curves_reduced.o $(OBJ)/tools/bench/curves_judge.o $(OBJ)/tools/bench/peers_problem.o
+CURVES_FAST := $(patsubst %,$(OBJ)/tools/bench/curves_%.o,reduced projected varpro grid)
+CURVES_REDUCED := $(patsubst %,$(OBJ)/tools/bench/%.o,curves_reduced curves_projected curves_judge peers_problem)
 
 .PHONY: bench bench-programs
 
@@ -41,7 +41,9 @@ $(CURVES_FAST): $(OBJ)/tools/bench/%.o: tools/bench/%.c $(OBJ)/compile.flags
 	@mkdir -p $(@D)
 	$(call say,CC,$<)$(COMPILE) -O3 -ffp-contract=fast -fno-trapping-math -c $< -o $@
 
-$(OBJ)/tools/bench/curves_main.o $(OBJ)/tools/bench/curves_local.o: $(OBJ)/tools/bench/%.o: tools/bench/%.c \
+# These know which peers there are.
+CURVES_ASKING := $(patsubst %,$(OBJ)/tools/bench/curves_%.o,main local recursive)
+$(CURVES_ASKING): $(OBJ)/tools/bench/%.o: tools/bench/%.c \
     $(OBJ)/compile.flags $(OBJ)/bench.nlopt $(OBJ)/peers.ceres
 	@mkdir -p $(@D)
 	$(call say,CC,$<)$(COMPILE) $$(test "$$(cat $(OBJ)/peers.ceres)" = 1 || echo -DPEERS_NO_CERES) \

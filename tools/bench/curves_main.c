@@ -21,8 +21,9 @@
 const struct curves_method curves_nlopt_methods[] = {{NULL, NULL, 0, 0}};
 #endif
 
-static const struct curves_method *const families[] = {curves_engine_methods, curves_local_methods,
-                                                       curves_nlopt_methods, curves_grid_methods};
+static const struct curves_method *const families[] = {curves_engine_methods,    curves_local_methods,
+                                                       curves_recursive_methods, curves_varpro_methods,
+                                                       curves_nlopt_methods,     curves_grid_methods};
 
 double curves_now(void)
 {
@@ -49,6 +50,16 @@ double curves_median(double *value, int count)
 {
     qsort(value, (size_t)count, sizeof *value, compare);
     return count % 2 ? value[count / 2] : 0.5 * (value[count / 2 - 1] + value[count / 2]);
+}
+
+int curves_next(int knob)
+{
+    int power = 1;
+
+    while (power * 10 <= knob) {
+        power *= 10;
+    }
+    return knob == 2 * power ? 5 * power : 2 * knob;
 }
 
 void curves_print(const struct curves_task *task, const char *method, const struct curves_row *row)

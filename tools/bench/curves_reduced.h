@@ -34,6 +34,7 @@ struct curves_reduced {
     double *ib;             /* channels x count: sums of I_k b */
     double *omega;          /* channels: I_k.a / |a| */
     double *shape, *rest;   /* scratch: 2 x count, count */
+    double *moved;          /* scratch: 2 x count */
     double *tau, *rho;      /* scratch: channels each */
     double *coefficient;    /* scratch: channels x 3: of a, g1, g2 as they stand (not of unit length) */
     double norm_a, total;   /* |a|, sum of I^2 */

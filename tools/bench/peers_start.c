@@ -182,8 +182,9 @@ static void random_coefficients(const struct peers_problem *p, uint64_t *state, 
     }
 }
 
-void peers_start_draw(const struct peers_problem *problem, const struct peers_start *start, uint64_t index,
-                      double *parameter)
+/* Roughnesses of start `index`, in the problem's chart; returns the state that more numbers are drawn from. */
+static uint64_t draw_roughnesses(const struct peers_problem *problem, const struct peers_start *start, uint64_t index,
+                                 double *parameter)
 {
     uint64_t state = scramble(start->seed ^ scramble(problem->digest ^ scramble(2 * index + (uint64_t)problem->lobes)));
     int lobe;
@@ -195,6 +196,20 @@ void peers_start_draw(const struct peers_problem *problem, const struct peers_st
 
         parameter[lobe] = peers_sigma_to_chart(problem, sigma);
     }
+    return state;
+}
+
+void peers_start_roughness(const struct peers_problem *problem, const struct peers_start *start, uint64_t index,
+                           double *parameter)
+{
+    draw_roughnesses(problem, start, index, parameter);
+}
+
+void peers_start_draw(const struct peers_problem *problem, const struct peers_start *start, uint64_t index,
+                      double *parameter)
+{
+    uint64_t state = draw_roughnesses(problem, start, index, parameter);
+
     if (start->nnls) {
         nnls_coefficients(problem, parameter);
     } else {

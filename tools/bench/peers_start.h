@@ -23,6 +23,9 @@ struct peers_start {
 
 void peers_start_draw(const struct peers_problem *problem, const struct peers_start *start, uint64_t index,
                       double *parameter);
+/* The roughnesses of the same start alone: P values. */
+void peers_start_roughness(const struct peers_problem *problem, const struct peers_start *start, uint64_t index,
+                           double *parameter);
 /* At given roughnesses, with non-negative least squares for the rest. */
 void peers_start_at(const struct peers_problem *problem, const double *sigma, double *parameter);
 
