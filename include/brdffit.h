@@ -421,6 +421,14 @@ typedef struct brdffit_options {
                                 goes with samples in COEFFICIENTS or with sums */
     brdffit_masking masking; /* Default V_CAVITY. Of every lobe, which then must be BECKMANN or GGX: another is
                                 BRDFFIT_ERR_UNSUPPORTED with any but the default; so are samples in COEFFICIENTS and sums */
+    int physical; /* 1: models that reflect no more than they receive, and no others: in each channel the sum of
+                                all diffuse x and of the reflectance of each lobe is at most 1, and so is each of them. That
+                                is 4 y of BECKMANN and GGX (y = F / 4, and so F0 <= 1), y of WARD, BLINN_PHONG,
+                                ASHIKHMIN_SHIRLEY, LAFORTUNE and RETRO; with Fresnel the y that F multiplies. Values have to be
+                                absolute: of data in units of their own it means nothing. Norm L2 and engine moment only,
+                                no sums, no TORRANCE_SPARROW lobes, which are not normalised: else BRDFFIT_ERR_UNSUPPORTED.
+                                Where the fit without it obeys, that is the result, to the bit; where not, a second search
+                                follows (theory 7.9). Default 0 */
 } brdffit_options;
 
 /* Set struct_size and every default. NULL is fine: nothing happens. */
@@ -433,12 +441,12 @@ BRDFFIT_API void brdffit_options_init_sized(brdffit_options *options, size_t str
 typedef struct brdffit_model {
     size_t struct_size;
     brdffit_distribution distribution;
-    int lobes;       /* P */
+    int lobes; /* P */
     size_t channels; /* K */
     const double *sigma; /* P roughnesses, in a result ascending among lobes of one distribution; 1/sqrt(n)
                             where the parameter is n */
-    const double *x;     /* K diffuse coefficients, in the data's units */
-    const double *y;     /* K x P row-major specular coefficients, in the data's units;
+    const double *x; /* K diffuse coefficients, in the data's units */
+    const double *y; /* K x P row-major specular coefficients, in the data's units;
                             y multiplies lambda(s) exp(-c s) b: the paper's scaling */
     const brdffit_distribution *distributions; /* P entries (always in a result), or NULL: `distribution`
                                                   for every lobe */
@@ -542,6 +550,9 @@ typedef struct brdffit_result {
     size_t channels_identical; /* moment) did without them */
     size_t samples_used;
     const size_t *samples_skipped; /* BRDFFIT_SKIP_COUNT counts, by brdffit_skip */
+    double e2_free; /* options.physical: e2 of the fit without physical bounds where that breaks them; else e2 */
+    size_t channels_at_limit; /* and channels where the bounds hold the coefficients down; else 0 */
+    const int *at_limit; /* K: 1 for each of these; NULL without options.physical */
 } brdffit_result;
 
 /* ---- Fit and evaluate ------------------------------------------------- */

@@ -66,6 +66,9 @@
  */
 #define TOL_PUBLISHED 32.0
 #define TOL_PUBLISHED_EXPONENT 3.0
+/* What publishing may take off coefficients at a physical bound, in units of u relative to them: 24 u, and what rounding of sigma
+ * makes of y (theta within 60 u, exponents apart). */
+#define TOL_PHYSICAL 256.0
 /* Rows by Householder's triangles: 64 rows and the triangle at a time, m x n of them with a backward error, column by
  * column, of a small constant times m n u (Higham, Accuracy and Stability, theorem 19.4). */
 #define TOL_TRIANGLE 4.0

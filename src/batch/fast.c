@@ -51,7 +51,7 @@ int brdffit_batch_fast_possible(const brdffit_options *o)
 
     brdffit_model_make(&model, o);
     return o->norm == BRDFFIT_NORM_L2 && o->engine == BRDFFIT_ENGINE_MOMENT && model_exponential(&model) &&
-           !brdffit_options_special(o) && o->sigma_resolution == 0.0 && o->box_budget >= 1000;
+           !brdffit_options_special(o) && !o->physical && o->sigma_resolution == 0.0 && o->box_budget >= 1000;
 }
 
 static size_t least(size_t a, size_t b)

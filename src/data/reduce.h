@@ -59,6 +59,7 @@ struct reduced {
     size_t *bound_channel; /* B: each one's channel (the first of identical ones) */
     double *bound_root; /* B: root of how many it stands for, a factor of its sums in `linear` */
     size_t channels_zero, channels_identical;
+    int apart; /* whether bounds tell channels of different scale apart, however alike their data are */
     int fixed;         /* F columns without a shape */
     double aa[FIXED_MOST][FIXED_MOST]; /* sum w a a' of them over all samples */
     double *ai;        /* F x K: sum w a I */

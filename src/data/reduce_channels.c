@@ -19,7 +19,7 @@ static int same_row(const double *p, const double *q, size_t n)
 static int same_sums(const struct reduced *r, size_t k, size_t l, int negative)
 {
     size_t n = r->stride, K = r->channels;
-    int f, g, same = r->ii[k] == r->ii[l];
+    int f, g, same = r->ii[k] == r->ii[l] && !(r->apart && r->channel_scale[k] != r->channel_scale[l]);
 
     for (f = 0; f < r->fixed && same; f++) {
         same = r->ai[(size_t)f * K + k] == r->ai[(size_t)f * K + l];
@@ -62,6 +62,7 @@ static void move_row(struct reduced *r, size_t from, size_t to, double factor)
 void brdffit_reduce_every_channel(struct reduced *r)
 {
     r->channels_zero = r->channels_identical = 0;
+    r->apart = 0;
     for (r->bounded = 0; r->bounded < r->channels; r->bounded++) {
         r->bound_channel[r->bounded] = r->bounded;
         r->bound_root[r->bounded] = 1.0;

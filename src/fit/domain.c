@@ -165,6 +165,7 @@ static void prepare_axis(struct fit *f, int axis, const brdffit_options *o, stru
 
         drop_lobes(&v); /* and d->flat stays below: there is no lobe */
     }
+    tail = f->physical ? INFINITY : tail; /* what y counts for changes up to the end */
     if (d->flat >= d->low && tail > 0.0) {
         double end = d->flat < d->tail ? brdffit_fit_outwards(d->flat, 1.0) : d->tail;
 
@@ -179,6 +180,7 @@ void brdffit_fit_prepare(struct fit *f, const brdffit_options *o)
     f->norm = o->norm;
     f->varpro.kernels = brdffit_kernels(o->isa);
     f->varpro.data = &f->data;
+    f->varpro.physical = f->physical;
     f->triangle_error = o->norm == BRDFFIT_NORM_L2 && f->rows_error == 0.0 ? brdffit_fit_triangle_error(&f->data) : 0.0;
     for (kind = 0; kind < f->model.axes; kind++) {
         prepare_axis(f, kind, o, &f->domain[kind]);

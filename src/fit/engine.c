@@ -30,6 +30,16 @@ static double try_moments(void *self, struct point *point)
     return brdffit_varpro_descend(&f->varpro, point);
 }
 
+/* With physical bounds a descent costs many evaluations: points that are no better than what there is are left alone. */
+static double try_physical(void *self, struct point *point)
+{
+    struct fit *f = self;
+    struct varpro_value value;
+
+    brdffit_varpro_evaluate(&f->varpro, point, 0, &value);
+    return value.objective < f->least ? brdffit_varpro_feel(&f->varpro, point) : value.objective;
+}
+
 static double try_point_lp(void *self, struct point *point)
 {
     struct fit *f = self;
@@ -121,12 +131,14 @@ brdffit_status brdffit_fit_engine_start(struct fit *f, const brdffit_options *o,
         engine->noise = 0.0;
         return brdffit_bound_socp_start(&f->socp, &f->varpro, f->axis, !o->socp_every_box);
     }
+    f->data.apart = f->physical;
     brdffit_reduce_channels(&f->data);
     brdffit_bound_moment_start(&f->moment, &f->data, &f->model, f->varpro.kernels, f->axis);
+    f->moment.limits.on = f->physical;
     engine->bound = bound_moment;
     engine->start = start_moment;
     engine->forget = forget_moment;
-    engine->try_point = model_exponential(&f->model) ? try_moments : try_point;
+    engine->try_point = f->physical ? try_physical : model_exponential(&f->model) ? try_moments : try_point;
     engine->noise = 2.0 * f->moment.moments.slack;
     return BRDFFIT_OK;
 }

@@ -56,11 +56,13 @@ struct fit {
     struct l1_linf restricted; /* norms l1 and linf only */
     struct varpro varpro;
     brdffit_norm norm;
+    int physical; /* whether this search keeps to physical bounds: the second one of such a fit */
     struct domain domain[BRDFFIT_MAX_LOBES]; /* one an axis */
     struct handout *handout;
     struct lobe_kind vanished[KINDS_MOST]; /* in the model's place of kinds of which no lobe has a finite y */
     double *x, *y, *rms; /* K, K x P, K: the result's arrays */
     double *f0, *x_more; /* K x P, K x (F - 1): likewise, where the model has them */
+    int *at_limit;       /* K, or NULL without physical bounds */
     double *z;           /* K x columns: published coefficients, one a column */
     double rows_error; /* how far E^2 of the rows may be from that of the samples, relative to the total: 0, but of
                               sums */
@@ -100,6 +102,9 @@ brdffit_status brdffit_fit_check_total(const struct fit *fit, const brdffit_opti
 /* Domain, first partition, engine and rules of a fit that is open. After success the engine is to be finished. */
 brdffit_status brdffit_fit_start(struct fit *fit, const brdffit_options *options, struct engine *engine,
                                  struct search_rules *rules, brdffit_error *error);
+
+/* Whether the published coefficients obey physical bounds, in exact arithmetic. */
+int brdffit_fit_is_physical(const struct fit *fit);
 
 /* All that follows the reduction, of a fit that is open; the result is fit->handout->result. */
 brdffit_status brdffit_fit_finish(struct fit *fit, const brdffit_options *options, brdffit_error *error);

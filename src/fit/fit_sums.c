@@ -67,6 +67,9 @@ static brdffit_status check_call(const brdffit_sums *sums, const brdffit_options
     if (!sums || !workspace || !result) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "sums, workspace or result is NULL");
     }
+    if (o->physical) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "fits of sums have no physical bounds: fit the samples");
+    }
     if (o->norm != BRDFFIT_NORM_L2 || o->engine != BRDFFIT_ENGINE_MOMENT) {
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "sums are fitted in norm l2 by engine moment only");
     }

@@ -90,10 +90,33 @@ static brdffit_status check_choices(const brdffit_options *o, brdffit_error *err
     return BRDFFIT_OK;
 }
 
+/* Physical bounds, where they are asked for. */
+static brdffit_status check_physical(const brdffit_options *o, brdffit_error *error)
+{
+    int p;
+
+    if (!(o->physical == 0 || o->physical == 1)) {
+        return bad(error, "physical must be 0 or 1", o->physical);
+    }
+    if (o->physical && (o->norm != BRDFFIT_NORM_L2 || o->engine != BRDFFIT_ENGINE_MOMENT)) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "physical bounds are those of norm l2 and engine moment");
+    }
+    for (p = 0; p < o->lobes && o->physical; p++) {
+        if (!(brdffit_lobe_kind_of(brdffit_model_asked(o, p))->reflectance > 0.0)) {
+            return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
+                                "Torrance-Sparrow lobes are not normalised: they have no physical bounds");
+        }
+    }
+    return BRDFFIT_OK;
+}
+
 brdffit_status brdffit_options_check(const brdffit_options *o, brdffit_error *error)
 {
     brdffit_status status = check_choices(o, error);
 
+    if (status == BRDFFIT_OK) {
+        status = check_physical(o, error);
+    }
     if (status != BRDFFIT_OK) {
         return status;
     }
@@ -160,6 +183,7 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
         return;
     }
     f->rows_error = 0.0;
+    f->physical = 0;
     f->handout = brdffit_arena_take(arena, 1, sizeof *f->handout);
     f->x = ARENA_DOUBLES(arena, channels);
     f->y = brdffit_arena_take(arena, channels, (size_t)o->lobes * sizeof(double));
@@ -168,6 +192,7 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
     f->f0 = f->model.each > 1 ? brdffit_arena_take(arena, channels, (size_t)o->lobes * sizeof(double)) : NULL;
     f->x_more = f->model.fixed > 1 ? brdffit_arena_take(arena, channels, (size_t)(f->model.fixed - 1) * sizeof(double))
                                    : NULL;
+    f->at_limit = o->physical ? brdffit_arena_take(arena, channels, sizeof *f->at_limit) : NULL;
     brdffit_varpro_layout(&f->varpro, arena, count, channels, &f->model);
     for (kind = 0; kind < f->model.axes; kind++) {
         brdffit_axis_layout(&f->axis[kind], arena, nodes);
@@ -181,6 +206,9 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
         brdffit_bound_socp_layout(&f->socp, arena, count, channels, &f->model);
     } else {
         brdffit_bound_moment_layout(&f->moment, arena, count, channels, nodes, &f->model);
+        if (o->physical) {
+            brdffit_limits_layout(&f->moment.limits, arena, channels, &f->model);
+        }
     }
 }
 

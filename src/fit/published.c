@@ -93,10 +93,72 @@ static void split_fresnel(double *z, double *y, double *f0)
     z[1] = *y * (1.0 - *f0);
 }
 
+/* Sums of at most 10 terms, a product each, are within this of it: below 1 by as much, nothing exceeds 1 in any order. */
+#define PHYSICAL_MOST (1.0 - 16.0 * TOL_UNIT)
+
+/* x and reflectances of channel k, together. */
+static double reflected(const struct fit *f, size_t k)
+{
+    size_t lobes = (size_t)f->model.lobes, F = (size_t)f->model.fixed, p, c;
+    double sum = f->x[k];
+
+    for (c = 1; c < F; c++) {
+        sum += f->x_more[k * (F - 1) + c - 1];
+    }
+    for (p = 0; p < lobes; p++) {
+        sum += model_kind(&f->model, (int)p)->reflectance * f->y[k * lobes + p];
+    }
+    return sum;
+}
+
+int brdffit_fit_is_physical(const struct fit *f)
+{
+    int fine = 1;
+    size_t k;
+
+    for (k = 0; k < f->data.channels; k++) {
+        fine = fine && reflected(f, k) <= PHYSICAL_MOST;
+    }
+    return fine;
+}
+
+/* The coefficients of channel k that f->z has, as a caller sees them; z becomes what they stand for. */
+static void hand_out(struct fit *f, size_t k, double *z)
+{
+    size_t lobes = (size_t)f->model.lobes, F = (size_t)f->model.fixed, p, c;
+
+    f->x[k] = z[0];
+    for (c = 1; c < F; c++) {
+        f->x_more[k * (F - 1) + c - 1] = z[c];
+    }
+    for (p = 0; p < lobes; p++) {
+        double *own = z + f->model.lobe[p].column;
+
+        f->y[k * lobes + p] = own[0];
+        if (f->f0) {
+            split_fresnel(own, &f->y[k * lobes + p], &f->f0[k * lobes + p]);
+        }
+    }
+}
+
+/* What rounding has put beyond physical bounds goes back. */
+static void make_physical(struct fit *f, size_t k, double *z)
+{
+    double sum = reflected(f, k);
+    int c;
+
+    if (sum > PHYSICAL_MOST) {
+        for (c = 0; c < f->model.columns; c++) {
+            z[c] *= (1.0 - 8.0 * TOL_UNIT) * PHYSICAL_MOST / sum;
+        }
+        hand_out(f, k, z);
+    }
+}
+
 /* The model in the data's units, and f->z: the coefficient of each column that it stands for. */
 static void coefficients(struct fit *f, const struct scales *v)
 {
-    size_t k, lobes = (size_t)f->model.lobes, n = (size_t)f->model.columns, F = (size_t)f->model.fixed, p, c;
+    size_t k, n = (size_t)f->model.columns, c;
 
     for (k = 0; k < f->data.channels; k++) {
         double *z = f->z + k * n;
@@ -104,17 +166,9 @@ static void coefficients(struct fit *f, const struct scales *v)
         for (c = 0; c < n; c++) {
             z[c] = in_data_units(f, &f->varpro.answer[k], k, (int)c, v->factor[c]);
         }
-        f->x[k] = z[0];
-        for (c = 1; c < F; c++) {
-            f->x_more[k * (F - 1) + c - 1] = z[c];
-        }
-        for (p = 0; p < lobes; p++) {
-            double *own = z + f->model.lobe[p].column;
-
-            f->y[k * lobes + p] = own[0];
-            if (f->f0) {
-                split_fresnel(own, &f->y[k * lobes + p], &f->f0[k * lobes + p]);
-            }
+        hand_out(f, k, z);
+        if (f->physical) {
+            make_physical(f, k, z);
         }
     }
 }
@@ -338,8 +392,9 @@ struct published brdffit_fit_publish(struct fit *f, const double *sigma)
 
 double brdffit_fit_allowance(const struct fit *f, const struct point *at, double objective)
 {
-    double unit = (TOL_PUBLISHED + (f->data.table[0].masked ? TOL_MASKING : 0.0)) * TOL_UNIT, total = f->data.total,
-           geometry;
+    double unit = (TOL_PUBLISHED + (f->data.table[0].masked ? TOL_MASKING : 0.0) + (f->physical ? TOL_PHYSICAL : 0.0)) *
+                  TOL_UNIT,
+           total = f->data.total, geometry;
 
     geometry = geometry_error(f, at->theta, objective) * (1.0 + TOL_ALLOWANCE);
     if (f->norm != BRDFFIT_NORM_L2) {

@@ -233,6 +233,7 @@ static void certificate(const struct fit *f, const struct search_result *found, 
 {
     result->e2 = published->objective * scale;
     result->e2_error = published->error * scale;
+    result->e2_free = result->e2;
     result->lower_bound = found->lower_bound * (1.0 - slack_of_channels(f->data.channels)) * scale;
     result->sum_of_squares = f->data.total * scale;
     result->stop = found->stop;
@@ -338,6 +339,11 @@ static void publish(struct fit *f, const brdffit_options *o)
     }
     result->channel_scale = f->data.channel_scale;
     result->rms = f->rms;
+    result->at_limit = f->at_limit;
+    for (k = 0; k < f->data.channels && f->at_limit; k++) {
+        f->at_limit[k] = f->physical && f->varpro.answer[k].multiplier > 0.0;
+        result->channels_at_limit += (size_t)f->at_limit[k];
+    }
     for (p = 0; p < f->model.lobes; p++) {
         f->handout->lobe[p].sigma_floor = sigma_floor(f, p, o);
         result->sigma_floor = fmax(result->sigma_floor, f->handout->lobe[p].sigma_floor);
@@ -369,7 +375,7 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     (void)order_lobes(&f->model, &at, h->lobe);
     if (f->norm == BRDFFIT_NORM_L2) {
         brdffit_varpro_evaluate(&f->varpro, &at, 1, &value);
-        curved = curved_lobes(f, &value, &level);
+        curved = f->physical ? 0u : curved_lobes(f, &value, &level);
     }
     flat = move_to_largest(f, &at, &level, curved);
     for (p = 0; p < o->lobes; p++) {

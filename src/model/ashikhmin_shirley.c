@@ -29,6 +29,7 @@ static double lambda(double s)
 const struct lobe_kind brdffit_lobe_ashikhmin_shirley = {
     .name = "ashikhmin-shirley",
     .title = "Ashikhmin-Shirley",
+    .reflectance = 1.0,
     .by_exponent = 1,
     .row = row,
     .table_kind = TABLE_ROW_SIDE,

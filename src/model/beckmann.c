@@ -13,6 +13,7 @@ static double lambda(double s)
 const struct lobe_kind brdffit_lobe_beckmann = {
     .name = "beckmann",
     .title = "Beckmann",
+    .reflectance = 4.0,
     .row = brdffit_cook_torrance_row,
     .table_kind = TABLE_ROW_SHADOWED,
     .table_factor = brdffit_cook_torrance_table_factor,

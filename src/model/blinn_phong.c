@@ -26,6 +26,7 @@ static double lambda(double s)
 const struct lobe_kind brdffit_lobe_blinn_phong = {
     .name = "blinn-phong",
     .title = "Blinn-Phong",
+    .reflectance = 1.0,
     .by_exponent = 1,
     .row = row,
     .table_kind = TABLE_ROW_LIGHT,

@@ -94,7 +94,7 @@ static double sensitivity(double s, double c)
 /* What does not depend on masking. */
 #define GGX_MEMBERS                                                                                                    \
     .variable = variable, .shape = shape, .slopes = slopes, .slope = slope, .argument = argument, .lambda = lambda,    \
-    .phi = phi, .exponent = exponent, .tail = tail, .sensitivity = sensitivity
+    .phi = phi, .exponent = exponent, .tail = tail, .sensitivity = sensitivity, .reflectance = 4.0
 
 const struct lobe_kind brdffit_lobe_ggx = {
     .name = "ggx",

@@ -62,6 +62,7 @@ static double lambda(double s)
 const struct lobe_kind brdffit_lobe_lafortune = {
     .name = "lafortune",
     .title = "Lafortune",
+    .reflectance = 1.0,
     .by_exponent = 1,
     .mirrored = 1,
     .row = row,

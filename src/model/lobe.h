@@ -47,6 +47,8 @@ struct lobe_kind {
     int exponential; /* the fast case: ell = -c' whatever u is, and slope = 0 */
     int mirrored;    /* b and c are made of r.v, and not of alpha */
     int steep;       /* phi has a factor exp(-c' s), alone (exponential) or beside masking */
+    double
+        reflectance; /* y times this is one: F0 or an albedo, at most 1 of what there is; 0: g has no normalisation */
     int smith; /* masking by Smith: phi depends on more than c, it may be above 1, and mu does not fall with distance */
 
     /* ---- geometry ---- */

@@ -119,6 +119,7 @@ static double lambda(double s)
     static const struct lobe_kind id = {                                                                               \
         .steep = is_steep,                                                                                             \
         .smith = 1,                                                                                                    \
+        .reflectance = 4.0,                                                                                            \
         .row = row_smith,                                                                                              \
         .variable = id##_variable,                                                                                     \
         .argument = id##_argument,                                                                                     \
@@ -140,6 +141,7 @@ SMITH_KIND(beckmann_separable, SMITH_BECKMANN_SEPARABLE, brdffit_lobe_beckmann, 
 
 static const struct lobe_kind beckmann_bare = {
     .row = brdffit_cook_torrance_bare_row,
+    .reflectance = 4.0,
     EXPONENTIAL_MEMBERS,
     .lambda = lambda,
 };

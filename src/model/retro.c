@@ -33,6 +33,7 @@ static double lambda(double s)
 const struct lobe_kind brdffit_lobe_retro = {
     .name = "retro",
     .title = "retro",
+    .reflectance = 1.0,
     .row = row,
     EXPONENTIAL_MEMBERS,
     .lambda = lambda,

@@ -31,6 +31,7 @@ static double lambda(double s)
 const struct lobe_kind brdffit_lobe_ward = {
     .name = "ward",
     .title = "Ward",
+    .reflectance = 1.0,
     .row = row,
     .table_kind = TABLE_ROW_ROOT,
     .table_factor = table_factor,

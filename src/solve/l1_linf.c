@@ -7,6 +7,7 @@
 
 #include "base/tolerance.h"
 #include "base/vector.h"
+#include "solve/compass.h"
 
 void brdffit_l1_linf_layout(struct l1_linf *r, struct arena *arena, size_t count, size_t channels,
                             const struct model *model, brdffit_norm norm)
@@ -163,123 +164,27 @@ void brdffit_l1_linf_evaluate(struct l1_linf *r, const struct point *at, int pro
     r->evaluated++;
 }
 
-/* ---- Descent ------------------------------------------------------------------------------------------------ */
-
-/* First step in theta = ln s, and the relative one that ends the descent. */
-#define LONGEST 0.25
-#define SHORTEST 1e-15
-/* Most evaluations of one descent. */
-#define EVALUATIONS 1500
-
-struct descent {
-    struct l1_linf *r;
-    struct point *at;
-    double objective;
-    int left; /* evaluations */
-};
-
-static int try_at(struct descent *d, const struct point *there)
+static double objective_at(void *self, const struct point *at)
 {
-    const struct varpro *v = d->r->varpro;
-    struct point next = *there;
     struct varpro_value value;
-    int p, moved = 0;
 
-    for (p = 0; p < v->model->sides; p++) {
-        next.theta[p] = fmin(v->theta_high[p], fmax(v->theta_low[p], next.theta[p]));
-        moved = moved || next.theta[p] != d->at->theta[p];
-    }
-    if (!moved || d->left <= 0) {
-        return 0;
-    }
-    d->left--;
-    brdffit_l1_linf_evaluate(d->r, &next, 0, &value);
-    if (!(value.objective < d->objective)) {
-        return 0;
-    }
-    d->objective = value.objective;
-    *d->at = next;
-    return 1;
+    brdffit_l1_linf_evaluate(self, at, 0, &value);
+    return value.objective;
 }
 
-/* Ways to go: both along each side, then the four diagonals of each pair of sides. */
-#define WAYS_MOST (2 * SIDES_MOST + 2 * SIDES_MOST * (SIDES_MOST - 1))
-
-struct ways {
-    int count;
-    signed char to[WAYS_MOST][SIDES_MOST];
-};
-
-static void add_way(struct ways *w, int p, int up, int q, int up_too)
-{
-    int i;
-
-    for (i = 0; i < SIDES_MOST; i++) {
-        w->to[w->count][i] = (signed char)(i == p ? up : i == q ? up_too : 0);
-    }
-    w->count++;
-}
-
-static struct ways all_ways(int sides)
-{
-    struct ways w = {.count = 0};
-    int p, q;
-
-    for (p = 0; p < sides; p++) {
-        add_way(&w, p, 1, -1, 0);
-        add_way(&w, p, -1, -1, 0);
-    }
-    for (p = 0; p < sides; p++) {
-        for (q = p + 1; q < sides; q++) {
-            add_way(&w, p, 1, q, 1);
-            add_way(&w, p, -1, q, -1);
-            add_way(&w, p, 1, q, -1);
-            add_way(&w, p, -1, q, 1);
-        }
-    }
-    return w;
-}
-
-/*
- * Compass search: steps along the axes and diagonals, doubled where they lead down and halved where none does. The
- * objective has kinks, so derivatives would not help; at a kink halving still gains a bit a round.
- */
-static void compass(struct descent *d)
-{
-    const int sides = d->r->varpro->model->sides;
-    const struct ways ways = all_ways(sides);
-    double step = LONGEST;
-    int last = 0, i, p;
-
-    while (d->left > 0 && d->objective > 0.0 && step > SHORTEST * (1.0 + fabs(d->at->theta[0]))) {
-        int down = 0;
-
-        for (i = 0; i < ways.count && !down; i++) {
-            int way = (last + i) % ways.count;
-            struct point there = *d->at;
-
-            for (p = 0; p < sides; p++) {
-                there.theta[p] += step * ways.to[way][p];
-            }
-            down = try_at(d, &there);
-            last = down ? way : last;
-        }
-        step = down ? fmin(2.0 * step, LONGEST) : 0.5 * step;
-    }
-}
-
+/* Derivatives would not help a compass: the objective has kinks. */
 double brdffit_l1_linf_descend(struct l1_linf *r, struct point *point)
 {
-    struct descent d = {.r = r, .at = point, .left = EVALUATIONS};
+    const struct varpro *v = r->varpro;
+    struct compass d = {r, objective_at, v->model->sides, v->theta_low, v->theta_high, point, 0.0, COMPASS_EVALUATIONS};
     struct point smooth = *point;
     struct varpro_value value;
 
-    brdffit_l1_linf_evaluate(r, point, 0, &value);
-    d.objective = value.objective;
+    d.objective = objective_at(r, point);
     /* The smooth objective's optimum nearby is this one's too where the data are exact, and a fair start elsewhere. */
     (void)brdffit_varpro_descend(r->varpro, &smooth);
-    (void)try_at(&d, &smooth);
-    compass(&d);
+    (void)brdffit_compass_try(&d, &smooth);
+    brdffit_compass(&d);
     brdffit_l1_linf_evaluate(r, point, 1, &value);
     return value.objective;
 }

@@ -106,31 +106,56 @@ static void residual_of(const struct nnls *nnls, const double *data, double data
     }
 }
 
-/* Largest violation: stationarity on the support, no ascent elsewhere. */
-static double kkt_residual(const struct nnls *nnls, const double *residual, unsigned support, double data_norm)
+/* Largest violation: stationarity on the support, no ascent elsewhere. `limit`: of a.z <= 1, or NULL. */
+static double kkt_residual(const struct nnls *nnls, const double *residual, const struct nnls_answer *answer,
+                           const double *limit, double data_norm)
 {
+    unsigned support = answer->support;
     double worst = 0.0;
     int j;
 
     for (j = 0; j < nnls->columns; j++) {
         double slope = 0.0;
 
+        if (limit && !(limit[j] <= NNLS_LIMIT_MOST)) {
+            continue;
+        }
         if (nnls->norm[j] > 0.0) {
             slope = nnls->kernels->dot(nnls->column[j], residual, nnls->rows) / nnls->scale[j] / nnls->norm[j];
+        }
+        if (answer->multiplier > 0.0) {
+            slope -= 0.5 * (answer->multiplier * limit[j]);
         }
         worst = fmax(worst, support & (1u << j) ? fabs(slope) : slope);
     }
     return data_norm > 0.0 ? worst / data_norm : 0.0;
 }
 
-/* One step of iterative refinement on the chosen support; kept only while it stays feasible. */
-static void refine(const struct nnls *nnls, const struct nnls_support *s, const double *residual, double *unit)
+/* Room that coefficients leave below the limit; a hair is left where they are at it. */
+static double room_of(const struct nnls *nnls, const double *limit, const double *unit)
 {
-    double t[NNLS_COLUMNS], step[NNLS_COLUMNS];
+    double room = 1.0;
+    int j;
+
+    for (j = 0; j < nnls->columns; j++) {
+        room -= unit[j] > 0.0 ? limit[j] * unit[j] : 0.0;
+    }
+    return room;
+}
+
+/* One step of iterative refinement on the chosen support; kept only while it stays feasible. */
+static void refine(const struct nnls *nnls, const struct nnls_support *s, const double *residual, const double *limit,
+                   double *unit)
+{
+    double t[NNLS_COLUMNS], step[NNLS_COLUMNS], force;
     int j;
 
     project(nnls, residual, t);
-    (void)brdffit_nnls_support_solve(s, t, nnls->columns, step);
+    if (limit) {
+        (void)brdffit_nnls_limit_step(s, t, nnls->columns, limit, room_of(nnls, limit, unit), step, &force);
+    } else {
+        (void)brdffit_nnls_support_solve(s, t, nnls->columns, step);
+    }
     for (j = 0; j < s->count; j++) {
         if (!(unit[s->index[j]] + step[j] > 0.0)) {
             return;
@@ -141,13 +166,15 @@ static void refine(const struct nnls *nnls, const struct nnls_support *s, const 
     }
 }
 
-void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual, struct nnls_answer *answer)
+/* After data_scale; `limit`: a row in units of data / data_scale, or NULL. */
+static void solve(const struct nnls *nnls, const double *data, const double *limit, double *residual,
+                  struct nnls_answer *answer)
 {
     double t[NNLS_COLUMNS], data_norm;
     struct nnls_support room;
     int j;
 
-    answer->data_scale = power_of_two(nnls->kernels->magnitude(data, nnls->rows));
+    answer->multiplier = 0.0;
     for (j = 0; j < NNLS_COLUMNS; j++) {
         answer->unit[j] = 0.0;
         answer->z[j] = 0.0;
@@ -155,19 +182,39 @@ void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *res
     residual_of(nnls, data, answer->data_scale, answer->unit, residual);
     data_norm = sqrt(nnls->kernels->dot(residual, residual, nnls->rows));
     project(nnls, residual, t);
-    answer->support = best_support(nnls, t, answer->unit);
+    answer->support = limit ? brdffit_nnls_limited(nnls, t, limit, answer->unit, &answer->multiplier)
+                            : best_support(nnls, t, answer->unit);
     if (answer->support) {
         residual_of(nnls, data, answer->data_scale, answer->unit, residual);
-        refine(nnls, brdffit_nnls_factored(nnls, answer->support, &room), residual, answer->unit);
+        refine(nnls, brdffit_nnls_factored(nnls, answer->support, &room), residual, limit, answer->unit);
         residual_of(nnls, data, answer->data_scale, answer->unit, residual);
     }
     answer->rss = nnls->kernels->dot(residual, residual, nnls->rows);
-    answer->kkt = kkt_residual(nnls, residual, answer->support, data_norm);
+    answer->kkt = kkt_residual(nnls, residual, answer, limit, data_norm);
     for (j = 0; j < nnls->columns; j++) {
         if (answer->unit[j] > 0.0) {
             answer->z[j] = answer->unit[j] / nnls->norm[j] / nnls->scale[j] * answer->data_scale;
         }
     }
+}
+
+void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual, struct nnls_answer *answer)
+{
+    answer->data_scale = power_of_two(nnls->kernels->magnitude(data, nnls->rows));
+    solve(nnls, data, NULL, residual, answer);
+}
+
+void brdffit_nnls_solve_limited(const struct nnls *nnls, const double *data, const double *a, double *residual,
+                                struct nnls_answer *answer)
+{
+    double limit[NNLS_COLUMNS];
+    int j;
+
+    answer->data_scale = power_of_two(nnls->kernels->magnitude(data, nnls->rows));
+    for (j = 0; j < nnls->columns; j++) {
+        limit[j] = nnls->norm[j] > 0.0 ? a[j] * answer->data_scale : 0.0;
+    }
+    solve(nnls, data, limit, residual, answer);
 }
 
 /* Cholesky of the unit matrix of cosines; squares of the diagonal start from (1 - c)(1 + c), which keeps their digits. */
@@ -197,9 +244,9 @@ void brdffit_nnls_factor_gram(struct nnls *nnls, int columns, double cosine[NNLS
     factor_supports(nnls);
 }
 
-unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double unit[NNLS_COLUMNS])
+/* Q'data from A'data: R'^-1 t. */
+static void along_q(const struct nnls *nnls, const double *t, double *q)
 {
-    double q[NNLS_COLUMNS];
     int i, j;
 
     for (j = 0; j < nnls->columns; j++) {
@@ -210,5 +257,21 @@ unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double u
         }
         q[j] = nnls->r[j][j] > 0.0 ? rest / nnls->r[j][j] : 0.0;
     }
+}
+
+unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double unit[NNLS_COLUMNS])
+{
+    double q[NNLS_COLUMNS];
+
+    along_q(nnls, t, q);
     return best_support(nnls, q, unit);
+}
+
+double brdffit_nnls_multiplier(const struct nnls *nnls, const double *t, const double *a, double unit[NNLS_COLUMNS])
+{
+    double q[NNLS_COLUMNS], multiplier;
+
+    along_q(nnls, t, q);
+    (void)brdffit_nnls_limited(nnls, q, a, unit, &multiplier);
+    return multiplier;
 }

@@ -19,6 +19,9 @@
 #define NNLS_COLUMNS 7
 /* Up to so many columns every support is factored once, and tried. */
 #define NNLS_CLOSED 4
+/* A column whose entry in the limit a.z <= 1 is above this, unit columns and data, is left out: what it could gain is
+ * below rounding. */
+#define NNLS_LIMIT_MOST 1e30
 
 /* One support's little least squares: orthonormal basis of its columns of R. */
 struct nnls_support {
@@ -45,8 +48,9 @@ struct nnls_answer {
     double unit[NNLS_COLUMNS]; /* the same for columns of unit norm and data divided by `data_scale` */
     double data_scale;      /* power of two that brings the data to about 1 */
     double rss;             /* sum of squared residuals of data / data_scale */
-    double kkt;             /* largest violation of the KKT conditions, relative to the data's norm */
-    unsigned support;       /* bit j: column j is used */
+    double multiplier; /* of the limit a.z <= 1, unit columns and data; 0 where it does not bind, or there is none */
+    double kkt; /* largest violation of the KKT conditions, relative to the data's norm */
+    unsigned support; /* bit j: column j is used */
 };
 
 /* Factor `columns` (1 to 7) columns of `rows` finite values; q: columns x rows doubles of the caller's. */
@@ -55,6 +59,13 @@ void brdffit_nnls_factor(struct nnls *nnls, const struct kernels *kernels, size_
 
 /* min ||data - A z||, z >= 0. residual: rows doubles, receives (data - A z) / data_scale. */
 void brdffit_nnls_solve(const struct nnls *nnls, const double *data, double *residual, struct nnls_answer *answer);
+
+/*
+ * The same with one more row, a.z <= 1: a >= 0, an entry for each column at unit norm, in units of the data; infinite
+ * where the coefficient is to be 0.
+ */
+void brdffit_nnls_solve_limited(const struct nnls *nnls, const double *data, const double *a, double *residual,
+                                struct nnls_answer *answer);
 
 /* The factorisation of a support: kept, or made into *room. */
 const struct nnls_support *brdffit_nnls_factored(const struct nnls *nnls, unsigned support, struct nnls_support *room);
@@ -67,6 +78,9 @@ void brdffit_nnls_factor_gram(struct nnls *nnls, int columns, double cosine[NNLS
 
 /* Writes unit-column coefficients and returns their support. */
 unsigned brdffit_nnls_support(const struct nnls *nnls, const double *t, double unit[NNLS_COLUMNS]);
+
+/* The same with a.unit <= 1; returns the multiplier of that, 0 where it does not bind. */
+double brdffit_nnls_multiplier(const struct nnls *nnls, const double *t, const double *a, double unit[NNLS_COLUMNS]);
 
 /* R(t, M); cosines 01, 02, .., 12, .., each in [0, 1]. 2 to 7 columns. */
 double brdffit_nnls_gain(int columns, const double *cosine, const double *t);

@@ -18,6 +18,8 @@
 
 #include "base/tolerance.h"
 #include "base/vector.h"
+#include "data/physical.h"
+#include "solve/compass.h"
 
 void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, size_t channels,
                            const struct model *model)
@@ -25,6 +27,7 @@ void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, 
     int p;
 
     v->model = model;
+    v->physical = 0;
     v->phi = ARENA_DOUBLES(arena, PADDED(count));
     v->x = ARENA_DOUBLES(arena, PADDED(count));
     v->slope = ARENA_DOUBLES(arena, PADDED(count));
@@ -232,9 +235,47 @@ static void add_channel(const struct varpro *v, const struct products *s, const 
     }
 }
 
+/* What coefficients of unit columns count for at a point: that of channel k into `limit`. */
+static void fill_limit(const struct varpro *v, const struct wide *counts, size_t k, double *limit)
+{
+    int c;
+
+    for (c = 0; c < v->model->columns; c++) {
+        limit[c] = brdffit_physical_unit(v->data, counts[c], v->nnls.norm[c] * v->nnls.scale[c], k);
+    }
+}
+
+static void fill_counts(const struct varpro *v, const struct point *at, struct wide *counts)
+{
+    int c, F = v->model->fixed;
+
+    for (c = 0; c < F; c++) {
+        counts[c] = brdffit_physical_fixed(v->data, c);
+    }
+    for (c = 0; c < varpro_moving(v); c++) {
+        counts[F + c] = brdffit_physical_lobe(model_column_kind(v->model, c), varpro_table(v, c),
+                                              at->theta[model_lobe_of(v->model, c)]);
+    }
+}
+
+/* The restricted problem of channel k. */
+static void solve_channel(struct varpro *v, const struct wide *counts, size_t k)
+{
+    const double *data = v->data->row_value + k * v->data->used;
+    double limit[COLUMNS_MOST];
+
+    if (v->physical) {
+        fill_limit(v, counts, k, limit);
+        brdffit_nnls_solve_limited(&v->nnls, data, limit, v->residual, &v->answer[k]);
+    } else {
+        brdffit_nnls_solve(&v->nnls, data, v->residual, &v->answer[k]);
+    }
+}
+
 void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int derivatives, struct varpro_value *value)
 {
     const double *column[COLUMNS_MOST];
+    struct wide counts[COLUMNS_MOST];
     struct products products;
     size_t k;
     int c, p, q;
@@ -253,13 +294,16 @@ void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int deriv
     if (derivatives) {
         fill_products(v, &products);
     }
+    if (v->physical) {
+        fill_counts(v, at, counts);
+    }
     value->objective = 0.0;
     value->kkt = 0.0;
     for (k = 0; k < v->data->channels; k++) {
         struct nnls_answer *answer = &v->answer[k];
         double scale2;
 
-        brdffit_nnls_solve(&v->nnls, v->data->row_value + k * v->data->used, v->residual, answer);
+        solve_channel(v, counts, k);
         scale2 = answer->data_scale * answer->data_scale;
         value->objective += answer->rss * scale2;
         value->kkt = fmax(value->kkt, answer->kkt);
@@ -279,4 +323,21 @@ double brdffit_varpro_descend(struct varpro *v, struct point *point)
     const struct newton descent = {v, evaluate, v->model->sides, v->theta_low, v->theta_high, 0.0};
 
     return brdffit_newton(&descent, point);
+}
+
+static double objective_at(void *self, const struct point *at)
+{
+    struct varpro_value value;
+
+    brdffit_varpro_evaluate(self, at, 0, &value);
+    return value.objective;
+}
+
+double brdffit_varpro_feel(struct varpro *v, struct point *point)
+{
+    struct compass d = {v, objective_at, v->model->sides, v->theta_low, v->theta_high, point, 0.0, COMPASS_EVALUATIONS};
+
+    d.objective = objective_at(v, point);
+    brdffit_compass(&d);
+    return d.objective;
 }

@@ -14,17 +14,19 @@ struct varpro {
     const struct reduced *data;
     const struct model *model;
     const struct kernels *kernels;
+    int physical; /* whether coefficients have to obey physical bounds (data/physical.h); derivatives then are those of what
+                     does not bind */
     double theta_low[SIDES_MOST], theta_high[SIDES_MOST]; /* domain of a descent, of each side */
 
-    double *phi;                 /* stride: the shape in use */
-    double *x, *slope;           /* stride: -ell and slope of lobes that are not exponential */
+    double *phi; /* stride: the shape in use */
+    double *x, *slope; /* stride: -ell and slope of lobes that are not exponential */
     double *column[MOVING_MOST]; /* R each: the columns of the lobes */
-    double *first[MOVING_MOST];  /* R each: d column / d theta */
+    double *first[MOVING_MOST]; /* R each: d column / d theta */
     double *second[MOVING_MOST]; /* R each */
-    double *q;                   /* columns x R */
-    double *residual;            /* R */
+    double *q; /* columns x R */
+    double *residual; /* R */
     struct nnls nnls;
-    struct nnls_answer *answer;  /* K, of the last evaluation */
+    struct nnls_answer *answer; /* K, of the last evaluation */
 };
 
 /* The table of the geometry that column c of the lobes sees. */
@@ -47,5 +49,8 @@ void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int deriv
 
 /* Newton descent from *point inside [theta_low, theta_high]; returns the objective of what *point becomes. */
 double brdffit_varpro_descend(struct varpro *v, struct point *point);
+
+/* The same without derivatives, which do not hold where physical bounds bind. */
+double brdffit_varpro_feel(struct varpro *v, struct point *point);
 
 #endif

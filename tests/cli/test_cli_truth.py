@@ -119,3 +119,50 @@ def test_goniometer_help():
     assert done.returncode == 0 and done.stderr == ""
     for word in ("--seed", "--outliers", "two_lobe_table.binary", "truth.json"):
         assert word in done.stdout
+
+
+@pytest.fixture(scope="module")
+def bright(tmp_path_factory):
+    """Light that a surface could not send back: x = 1.2 in one channel, 0.5 in the other, and a lobe."""
+    folder = tmp_path_factory.mktemp("bright")
+    lines = ["theta_i,phi_i,theta_o,phi_o,r,g"]
+    for light in range(0, 61, 10):
+        for view in (0, 20, 40):
+            for azimuth in (0, 90, 180):
+                half = abs(light - view) / 2 if azimuth == 180 else (light + view) / 2
+                peak = 0.05 * np.exp(-np.tan(np.radians(half)) ** 2 / 0.04)
+                lines.append("%d,%d,%d,0,%.17g,%.17g" % (light, azimuth, view, 1.2 / np.pi + peak, 0.5 / np.pi + peak))
+    (folder / "bright.csv").write_text("\n".join(lines) + "\n")
+    (folder / "dim.csv").write_text("\n".join([lines[0]] + [
+        ",".join(line.split(",")[:4] + ["%.17g" % (0.25 * float(v)) for v in line.split(",")[4:]]) for line in lines[1:]]) + "\n")
+    return folder
+
+
+def reflected(line):
+    return [x + sum(4 * v for v in y) for x, y in zip(line["x"], line["y"])]
+
+
+def test_physical_bounds(bright):
+    """They hold where the data break them, cost what is said, and say where they bind."""
+    (free,) = harness.fit("bright.csv", cwd=bright)
+    (line,) = harness.fit("--physical", "bright.csv", cwd=bright)
+    assert max(reflected(free)) > 1.1 and max(reflected(line)) <= 1
+    assert line["status"] == "certified" and line["physical"] == {"channels_at_limit": 1, "e2_free": free["e2"]}
+    assert free["lower_bound"] < line["lower_bound"] <= line["e2"]
+    said = harness.run("fit", "--physical", "bright.csv", cwd=bright).stdout
+    assert "bind in channel r:" in " ".join(said.split())
+    assert "%.3g %% above" % (100 * (line["e2"] / free["e2"] - 1)) in " ".join(said.split())
+
+
+def test_physical_bounds_that_do_not_bind(bright):
+    """The bits of the free fit."""
+    (free,), (line,) = (harness.fit(*more, "dim.csv", cwd=bright) for more in ((), ("--physical",)))
+    assert line.pop("physical") == {"channels_at_limit": 0, "e2_free": free["e2"]}
+    assert {k: v for k, v in line.items() if k != "seconds"} == {k: v for k, v in free.items() if k != "seconds"}
+    assert "bind nowhere" in harness.run("fit", "--physical", "dim.csv", cwd=bright).stdout
+
+
+@pytest.mark.parametrize("more", [("--norm", "l1"), ("--engine", "socp"), ("--distribution", "torrance-sparrow")])
+def test_physical_bounds_are_refused(bright, more):
+    done = harness.run("fit", "--physical", *more, "bright.csv", cwd=bright)
+    assert done.returncode != 0 and "physical bounds" in done.stderr

@@ -212,14 +212,14 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
     job->one_lobe_e2 = job->one_lobe_fitted ? result->e2 : 0;
 }
 
-/* Where there is an F0. A failure only leaves the statement out. */
+/* Where there is an F0, which no physical bound has a part in. A failure only leaves the statement out. */
 static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
 {
     const brdffit_model *const model = job->result->model;
     const size_t count = model->channels * (size_t)model->lobes;
     free(job->f0_low); /* of an earlier fit of this file */
     job->f0_low = job->f0_high = NULL;
-    if (model->fresnel == BRDFFIT_FRESNEL_NONE || fitter->options.norm != BRDFFIT_NORM_L2) {
+    if (model->fresnel == BRDFFIT_FRESNEL_NONE || fitter->options.physical || fitter->options.norm != BRDFFIT_NORM_L2) {
         return;
     }
     job->f0_low = calloc(count, 2 * sizeof *job->f0_low);
@@ -231,11 +231,11 @@ static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
     }
 }
 
-/* Sums have weight 1 throughout, and know the plain model alone. */
+/* Sums have weight 1 throughout, and know the plain model alone, without physical bounds. */
 static int fits_sums(const struct cli_fitter *fitter)
 {
     const struct cli_settings *const settings = fitter->settings;
-    return settings->verify == NULL && !brdffit_cli_special(&fitter->options) &&
+    return settings->verify == NULL && !brdffit_cli_special(&fitter->options) && !settings->physical &&
            (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
 }
 

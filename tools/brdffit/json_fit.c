@@ -127,6 +127,18 @@ static void exponents(struct cli_json *json, const brdffit_result *result)
     brdffit_cli_json_close(json, ']');
 }
 
+/* With --physical: what the bounds do. */
+static void physical(struct cli_json *json, const brdffit_result *result)
+{
+    if (result->at_limit == NULL) {
+        return;
+    }
+    brdffit_cli_json_open(json, "physical", '{');
+    brdffit_cli_json_count(json, "channels_at_limit", result->channels_at_limit);
+    brdffit_cli_json_number(json, "e2_free", result->e2_free);
+    brdffit_cli_json_close(json, '}');
+}
+
 static void parameters(struct cli_json *json, const struct cli_job *job)
 {
     const brdffit_result *const result = job->result;
@@ -303,6 +315,7 @@ static void result_members(struct cli_json *json, const struct cli_job *job, con
 {
     const brdffit_result *const result = job->result;
     parameters(json, job);
+    physical(json, result);
     brdffit_cli_json_count(json, "samples_used", result->samples_used);
     brdffit_cli_json_skipped(json, result->samples_skipped, job->table);
     brdffit_cli_json_count(json, "boxes", result->boxes);

@@ -249,6 +249,35 @@ static void verification(struct cli_text *text, struct cli_style style, const st
     brdffit_cli_text_free(&words);
 }
 
+/* --physical: whether the bounds bind, where, and what that costs. */
+static void physical(struct cli_text *text, struct cli_style style, const struct cli_job *job)
+{
+    const brdffit_result *const r = job->result;
+    struct cli_text words = {0};
+    size_t named = 0;
+    if (r->at_limit == NULL) {
+        return;
+    }
+    brdffit_cli_text_puts(&words, r->channels_at_limit == 0   ? "the bounds hold, and bind nowhere."
+                                  : r->channels_at_limit == 1 ? "the bounds hold, and bind in channel "
+                                                              : "the bounds hold, and bind in channels ");
+    for (size_t k = 0; k < r->model->channels; k++) {
+        if (r->at_limit[k]) {
+            brdffit_cli_text_puts(&words, named++ > 0 ? ", " : "");
+            brdffit_cli_name(&words, style, job->table->channel_names[k]);
+        }
+    }
+    if (named > 0 && r->e2_free > 0) {
+        brdffit_cli_text_printf(&words, ": E%s is %.3g\t%% above that of the fit without them.",
+                                brdffit_cli_glyph(style, CLI_SQUARED), 100 * fmax(0, r->e2 / r->e2_free - 1));
+    } else if (named > 0) {
+        brdffit_cli_text_puts(&words, ".");
+    }
+    brdffit_cli_paragraph(text, style, CLI_BOLD, "Physical:", brdffit_cli_text_string(&words));
+    text->failed |= words.failed;
+    brdffit_cli_text_free(&words);
+}
+
 static void effort(struct cli_text *text, struct cli_style style, const struct cli_job *job,
                    const brdffit_options *options)
 {
@@ -332,6 +361,7 @@ void brdffit_cli_report_fit(struct cli_text *text, struct cli_style style, const
     brdffit_cli_text_puts(text, "\n");
     brdffit_cli_certificate(text, style, result, &fitter->options);
     verification(text, style, job);
+    physical(text, style, job);
     brdffit_cli_report_weights(text, style, job->table, job->weighting);
     brdffit_cli_warnings(text, style, result, &fitter->options);
     brdffit_cli_terms_warnings(text, style, job);

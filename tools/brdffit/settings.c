@@ -81,6 +81,9 @@ const struct cli_option brdffit_cli_options[] = {
            "(default moment)"),
     PLAIN("socp-every-box", 0, CLI_FLAG, FITS, socp_every_box, NULL,
           "send every box to ECOS as the paper does, also\nthose that a closed form decides"),
+    PLAIN("physical", 0, CLI_FLAG, SEARCHES, physical, NULL,
+          "only models that reflect no more than they\nreceive: x + sum of 4 y <= 1 in each channel, of\n"
+          "values that are absolute (engine moment)"),
     PLAIN("verify", 0, CLI_STRING, CLI_FIT, verify, "socp[=X]",
           "prove again, by engine socp alone, that nothing\nlies below the bound less this fraction of it\n"
           "(default 1e-3)"),
@@ -176,6 +179,7 @@ void brdffit_cli_fit_options(const struct cli_settings *settings, brdffit_option
     options->norm = (brdffit_norm)settings->norm;
     options->engine = (brdffit_engine)settings->engine;
     options->socp_every_box = settings->socp_every_box;
+    options->physical = settings->physical;
     options->normalise = (brdffit_normalise)settings->normalise;
     options->sigma_min = settings->sigma_min;
     options->sigma_max = settings->sigma_max;
@@ -226,6 +230,7 @@ void brdffit_cli_record_options(struct cli_text *text, const brdffit_options *o)
     brdffit_cli_text_printf(text, "--gap %.17g\n--absolute-gap %.17g\n--resolution %.17g\n--box-budget %zu\n",
                             o->relative_gap, o->absolute_gap, o->sigma_resolution, o->box_budget);
     brdffit_cli_text_printf(text, "--max-incidence %.17g\n", o->max_incidence);
+    brdffit_cli_text_puts(text, o->physical ? "--physical\n" : "");
 }
 
 const char *brdffit_cli_choice_name(const struct cli_choice *choices, int value)

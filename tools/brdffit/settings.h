@@ -30,6 +30,7 @@ struct cli_settings {
     int norm;
     int engine;
     int socp_every_box;
+    int physical;
     const char *verify;   /* as given: socp or socp=MARGIN; NULL: do not */
     double verify_margin; /* what --verify leaves of the bound */
     int normalise;

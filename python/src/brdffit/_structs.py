@@ -127,6 +127,7 @@ class Options(ctypes.Structure):
         ("fresnel", c_int),
         ("diffuse", c_int),
         ("masking", c_int),
+        ("physical", c_int),
     ]
 
 
@@ -196,6 +197,9 @@ class Result(ctypes.Structure):
         ("channels_identical", c_size_t),
         ("samples_used", c_size_t),
         ("samples_skipped", POINTER(c_size_t)),
+        ("e2_free", c_double),
+        ("channels_at_limit", c_size_t),
+        ("at_limit", c_void_p),
     ]
 
 

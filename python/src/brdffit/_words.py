@@ -34,12 +34,12 @@ WEIGHTS = {"none": "Samples count alike.", "column": "Samples have weights of th
 _MEMBERS = ("schema", "file", "status", "distribution", "distributions", "fresnel", "diffuse", "masking", "norm", "engine",
             "lobes", "sigma", "exponent", "x", "y", "f0", "ior", "f0_interval", "x_more", "channel_scale", "e2", "objective",
             "e2_error", "lower_bound", "gap", "rms", "rms_total", "sum_of_squares",
-            "kkt_residual", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
+            "kkt_residual", "physical", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
             "weight", "effective_samples", "sigma_interval", "exponent_interval", "warnings", "channels", "normalise",
             "sigma_range", "exponent_range", "relative_gap", "absolute_gap", "sigma_resolution", "box_budget",
             "max_incidence", "proven_sigma", "proven_exponent", "format", "quantity", "merl_bins", "merl_samples",
             "weighting", "seconds")
-_WHERE_THERE = ("f0", "ior", "x_more")  # f0_interval: null where there is an f0 but none of it
+_WHERE_THERE = ("f0", "ior", "x_more", "physical")  # f0_interval: null where there is an f0 but none of it
 _ONLY_BY_EXPONENT = ("exponent", "exponent_interval", "exponent_range")  # proven_exponent: where there is an exponent
 
 

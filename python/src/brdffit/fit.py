@@ -44,6 +44,8 @@ class Fit(Frozen):
     exponent: P exponents n, sigma = 1/sqrt(n), NaN of lobes that are not known by them; None where no lobe is
     x: K diffuse coefficients; y: K x P specular ones, in the data's units (the paper's scaling, see brdffit.h)
     fresnel, diffuse, masking: the rest of the model, as in `Options`
+    physical: None, unless physical bounds were asked for: channels_at_limit, how many of them they hold down, and e2_free, the
+        e2 of the fit without them
     f0: K x P reflectances at normal incidence, factors of y, 0 of a lobe with y = 0; ior: the indices of refraction that
         they stand for; f0_interval: K x P x 2, how well the samples tell f0 (two standard errors, sigma given; see
         brdffit_f0_interval of brdffit.h). All None without Fresnel, f0_interval also with other norms than l2
@@ -119,6 +121,7 @@ class Fit(Frozen):
     fresnel: str = "none"
     diffuse: str = "lambert"
     masking: str = "v-cavity"
+    physical: Mapping[str, Any] | None = None
     f0: Floats | None = None
     x_more: Floats | None = None
     f0_interval: Floats | None = None
@@ -292,7 +295,7 @@ def fit(samples: SamplesLike, *, lobes: int | Sequence[str] | None = None, distr
         sigma_resolution: float = 0.0, box_budget: int = 1_000_000, max_incidence: float | None = None,
         socp_every_box: bool = False, isa: str = "auto", weight: str | None = None,
         verify: float | None = None, progress: ProgressArgument = None, fresnel: str | None = None,
-        diffuse: str | None = None, masking: str | None = None, model: str | None = None) -> Fit:
+        diffuse: str | None = None, masking: str | None = None, model: str | None = None, physical: bool = False) -> Fit:
     """Fit a model to samples (or to a file of them) and prove how close to the best it is.
 
     Options are explained at `Options`; those that are None are the model's, or else as there.
@@ -311,7 +314,7 @@ def fit(samples: SamplesLike, *, lobes: int | Sequence[str] | None = None, distr
                         diffuse=diffuse, masking=masking)
     options = Options(norm=norm, engine=engine, normalise=normalise, sigma_range=sigma_range, exponent_range=exponent_range,
                       relative_gap=relative_gap, absolute_gap=absolute_gap, sigma_resolution=sigma_resolution,
-                      box_budget=box_budget, socp_every_box=socp_every_box, isa=isa, **form)
+                      box_budget=box_budget, socp_every_box=socp_every_box, isa=isa, physical=physical, **form)
     began = time.perf_counter()
     data = samples if isinstance(samples, Samples) else _read(samples, model)
     read = {} if data is samples else {"read": time.perf_counter() - began}
@@ -353,7 +356,7 @@ def run(samples: Samples, options: Options, verify: float | None, progress: Prog
         if status != 0:
             raise from_struct(error, path=samples.file, channels=samples.channels, lines=samples.lines)
         proof = None if verify is None else _verify(samples, options, result.contents, verify)
-        told = _terms.f0_interval(result.contents.model, c_samples, c_options)
+        told = None if options.physical else _terms.f0_interval(result.contents.model, c_samples, c_options)
         return convert(result.contents, samples, options, proof, {**read, **observer.seconds(began, ended)}, told)
     finally:
         ffi.core.brdffit_result_free(result)
@@ -452,6 +455,7 @@ def convert(r: structs.Result, samples: Samples, options: Options, proof: Mappin
         max_incidence=options.max_incidence, format=samples.format, quantity=samples.quantity,
         merl_bins=samples.merl_bins, merl_samples=samples.merl_samples, seconds=seconds, file=samples.file,
         schema=SCHEMA, _merl_directions=samples._merl_directions, weighting=samples.weighting,
+        physical={"channels_at_limit": int(r.channels_at_limit), "e2_free": r.e2_free} if options.physical else None,
         **_terms.of_model(model),
         f0_interval=None if f0_interval is None else freeze(f0_interval))
     return fit

@@ -37,6 +37,7 @@ class FitOptions(TypedDict, total=False):
     fresnel: str
     diffuse: str
     masking: str
+    physical: bool
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,6 +62,8 @@ class Options:
     fresnel: "none", or "schlick": Schlick's Fresnel term, with an F0 of each lobe and channel
     diffuse: the diffuse term: "lambert", "none", "oren-nayar" or "burley"
     masking: of Beckmann and GGX lobes: "v-cavity", "smith", "smith-separable" or "none"
+    physical: only models that reflect no more than they receive: in each channel x + sum of reflectances (4 y of Beckmann and
+        GGX lobes) at most 1, of values that are absolute; of norm l2 and engine moment. `Fit.physical` says what came of it
     """
 
     lobes: int | Sequence[str] = 1
@@ -80,6 +83,7 @@ class Options:
     fresnel: str = "none"
     diffuse: str = "lambert"
     masking: str = "v-cavity"
+    physical: bool = False
 
     def __post_init__(self) -> None:
         if self.max_incidence is None:
@@ -128,7 +132,8 @@ class Options:
             lobes=int(c.lobes) if alike else names, distribution=names[0] if alike else None,
             sigma_range=(c.sigma_min, c.sigma_max), exponent_range=(c.exponent_min, c.exponent_max),
             relative_gap=c.relative_gap, absolute_gap=c.absolute_gap, sigma_resolution=c.sigma_resolution,
-            box_budget=int(c.box_budget), max_incidence=c.max_incidence, socp_every_box=bool(c.socp_every_box))
+            box_budget=int(c.box_budget), max_incidence=c.max_incidence, socp_every_box=bool(c.socp_every_box),
+            physical=bool(c.physical))
 
     def _struct(self) -> structs.Options:
         try:
@@ -153,6 +158,7 @@ class Options:
             setattr(out, name, _number(name, getattr(self, name)))
         out.box_budget = _integer("box_budget", self.box_budget, 2**63)
         out.socp_every_box = int(bool(self.socp_every_box))
+        out.physical = int(bool(self.physical))
         for kind in _terms.DEFAULTS:
             setattr(out, kind, _terms.check(kind, getattr(self, kind)))
         return out

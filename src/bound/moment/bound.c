@@ -42,6 +42,8 @@ void brdffit_bound_moment_start(struct bound_moment *e, const struct reduced *da
 
     e->model = model;
     e->axis = axis;
+    e->limits.on = 0;
+    e->limits.raised = 0.0;
     brdffit_payment_start(&e->payment, data, model);
     brdffit_moments_start(&e->moments, data, model, kernels);
     for (kind = 0; kind < model->kinds; kind++) {
@@ -86,10 +88,16 @@ const struct interval *brdffit_bound_moment_side(struct bound_moment *e, int kin
     return refined_side(e, kind, index, useful < depth ? useful : depth);
 }
 
+/* A gain, with what limits add. */
+static double raised(const struct bound_moment *e, double gain)
+{
+    return gain + e->limits.raised;
+}
+
 /* Lower bound of E^2 of the columns that are there; never below 0, which is always true. */
 static double objective_below(const struct bound_moment *e, double gain)
 {
-    double bound = e->moments.data->total - gain - e->moments.slack;
+    double bound = e->moments.data->total - raised(e, gain) - e->moments.slack;
 
     return bound > 0.0 ? bound : 0.0;
 }
@@ -124,7 +132,7 @@ INSTANCE double meet_corners(const struct view *v, const double *gain, struct po
     int p;
 
     for (corner = 0; corner < 1u << S; corner++) {
-        double objective = total - gain[corner];
+        double objective = total - raised(v->engine, gain[corner]);
 
         if (!(objective < best) || mirrors(v, corner, S)) {
             continue;
@@ -182,6 +190,16 @@ static uint32_t most_lifted(const double *lift, int sides)
     return (uint32_t)most;
 }
 
+/* What a side's limits cost beside its shifts. */
+static void add_losses(const struct bound_moment *e, double *lift, int sides)
+{
+    int p;
+
+    for (p = 0; p < sides && e->limits.on; p++) {
+        lift[p] += e->limits.loss[p];
+    }
+}
+
 /*
  * The bound by shifts into box->bound: by the highest corner where that closes the box already, with no need to know the
  * maximum between them, nor which side to split. Returns the best objective met, 0 or more shifts usable in *lifts.
@@ -234,7 +252,7 @@ INSTANCE double bound_refining(struct bound_moment *e, struct box *box, double c
 INSTANCE double bound_sides(struct bound_moment *e, struct box *box, struct point *met, const int F, const int Q,
                             const int S)
 {
-    double cutoff = box->bound, best, lift[SIDES_MOST], vertex;
+    double cutoff = box->bound, best, lift[SIDES_MOST] = {0.0}, vertex;
     struct view v;
     int chords = 0;
 
@@ -251,6 +269,7 @@ INSTANCE double bound_sides(struct bound_moment *e, struct box *box, struct poin
     if (S == 1 || !narrow(&v, S)) {
         box->bound = larger(vertex, objective_below(e, monotone(&v, F, Q, S)));
     }
+    add_losses(e, lift, S);
     /* Split the side whose shift costs most at a corner; the widest one where the chord is useless. */
     box->split = chords && vertex == box->bound ? most_lifted(lift, S) : widest(&v, S);
     return best;

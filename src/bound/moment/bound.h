@@ -6,6 +6,7 @@
 #define BRDFFIT_BOUND_MOMENT_H
 
 #include "bound/moment/interval.h"
+#include "bound/moment/limits.h"
 #include "search/engine.h"
 
 struct bound_moment {
@@ -14,6 +15,7 @@ struct bound_moment {
     struct moments moments;
     struct intervals intervals[KINDS_MOST];
     struct payment payment; /* for the rounding of the geometry */
+    struct limits limits;   /* physical bounds; off, unless somebody turns them on */
 };
 
 void brdffit_bound_moment_layout(struct bound_moment *engine, struct arena *arena, size_t count, size_t channels,

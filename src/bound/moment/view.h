@@ -18,6 +18,7 @@
 struct view {
     struct bound_moment *engine;
     const struct interval *column[MOVING_MOST]; /* of each column of a side, those of one side together */
+    const double *sup[MOVING_MOST]; /* K: what tau is not above */
     int alike[SIDES_MOST]; /* whether the side before it is the same interval of the same kind */
     double least[COSINES(COLUMNS_MOST)]; /* infimum of each cosine */
     struct gains gains; /* as they are at the corners */
@@ -72,6 +73,7 @@ INSTANCE void open_column(struct view *v, const struct box *box, int c, int dept
     g->tau[c][0] = s->low->tau;
     g->tau[c][1] = s->high->tau;
     g->shift[c] = s->tau_shift;
+    v->sup[c] = s->tau_sup;
     for (f = 0; f < F; f++) {
         open_entry(v, COSINE(n, f, F + c), s->low->kappa[f], s->high->kappa[f], s->kappa_shift[f], s->kappa_inf[f]);
     }
@@ -112,6 +114,9 @@ INSTANCE void open_view(struct view *v, struct bound_moment *e, const struct box
         for (d = (c / Q + 1) * Q; d < Q * S; d++) {
             open_pair(v, c, d, COSINE(n, F + c, F + d));
         }
+    }
+    if (e->limits.on) {
+        brdffit_limits_apply(v);
     }
 }
 
@@ -190,7 +195,7 @@ INSTANCE double monotone(const struct view *v, const int F, const int Q, const i
             t[c] = v->gains.omega[c][k];
         }
         for (c = 0; c < n - F; c++) {
-            t[F + c] = v->column[c]->tau_sup[k];
+            t[F + c] = v->sup[c][k];
         }
         sum += brdffit_nnls_gain(n, v->least, t);
     }
