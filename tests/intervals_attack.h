@@ -24,7 +24,6 @@ struct attack {
     double *column; /* columns x count: radiance times root of weight; 0 where not used */
     long double gram[ATTACK_COLUMNS][ATTACK_COLUMNS], *along, *square; /* along: channels x columns */
     size_t inside, outside; /* models tried with E^2 <= threshold; of these, with a parameter outside of what is claimed */
-    double low[64][2]; /* unused room for callers */
     long double reached[2][256]; /* least and largest of each parameter met, in the order of attack_check() */
 };
 
@@ -283,7 +282,7 @@ static inline int attack_sigma(struct attack *a, const double *sigma, int walks,
         long double old = z[where], sum = 0.0L, own = old + brdffit_test_normal(random) * 0.1L *
                                                             (best[where] + sqrtl(limit / (long double)a->count));
 
-        z[where] = fmaxl(own, 0.0L);
+        z[where] = a->gram[where % n][where % n] > 0.0L ? fmaxl(own, 0.0L) : 0.0L; /* a column that there is not */
         for (k = 0; k < a->channels; k++) {
             sum += attack_e2(a, k, z + k * n);
         }

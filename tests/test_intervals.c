@@ -156,7 +156,7 @@ static void attack(const char *title, const brdffit_samples *samples, const brdf
             draw_sigma(&c, &random, sigma);
         }
         for (p = 0; p < options->lobes; p++) {
-            sigma[p] = fmin(fmax(sigma[p], 1e-7), options->sigma_max);
+            sigma[p] = fmin(fmax(sigma[p], fmax(1e-7, options->sigma_min)), options->sigma_max);
         }
         if (attack_sigma(&a, sigma, 100, &random)) {
             memcpy(centre, sigma, sizeof centre);
@@ -195,9 +195,216 @@ static void one_lobe(void **state)
     brdffit_test_data_free(&data);
 }
 
+/* Other models of data that have two lobes and noise. */
+static void other_models(void **state)
+{
+    static const struct {
+        const char *title;
+        int lobes, points;
+        brdffit_distribution distribution;
+        brdffit_fresnel fresnel;
+        brdffit_diffuse diffuse;
+        brdffit_masking masking;
+    } cases[] = {
+        {"two Beckmann lobes", 2, 150, BRDFFIT_BECKMANN, 0, 0, 0},
+        {"two GGX lobes", 2, 60, BRDFFIT_GGX, 0, 0, 0},
+        {"GGX, Smith", 1, 200, BRDFFIT_GGX, 0, 0, BRDFFIT_MASKING_SMITH},
+        {"GGX, Smith, Schlick", 1, 100, BRDFFIT_GGX, BRDFFIT_FRESNEL_SCHLICK, 0, BRDFFIT_MASKING_SMITH},
+        {"Beckmann, Schlick", 1, 100, BRDFFIT_BECKMANN, BRDFFIT_FRESNEL_SCHLICK, 0, 0},
+        {"Ward, Oren-Nayar", 1, 100, BRDFFIT_WARD, 0, BRDFFIT_DIFFUSE_OREN_NAYAR, 0},
+        {"Blinn-Phong, no diffuse term", 1, 100, BRDFFIT_BLINN_PHONG, 0, BRDFFIT_DIFFUSE_NONE, 0},
+        {"Beckmann, Burley", 1, 60, BRDFFIT_BECKMANN, 0, BRDFFIT_DIFFUSE_BURLEY, 0},
+    };
+    struct brdffit_test_spec spec = brdffit_test_spec_default();
+    struct brdffit_test_data data;
+    size_t i;
+
+    (void)state;
+    spec.noise = 0.01;
+    brdffit_test_data_new(&spec, &data);
+    for (i = 0; i < sizeof cases / sizeof *cases; i++) {
+        brdffit_options o;
+
+        brdffit_options_init(&o);
+        o.lobes = cases[i].lobes;
+        o.distribution = cases[i].distribution;
+        o.fresnel = cases[i].fresnel;
+        o.diffuse = cases[i].diffuse;
+        o.masking = cases[i].masking;
+        attack(cases[i].title, &data.samples, &o, NULL, FEWER(cases[i].points, 10));
+    }
+    brdffit_test_data_free(&data);
+}
+
+/* Channels that bounds do without, weights, noise given, and units at the ends of the number range. */
+static void channels_and_units(void **state)
+{
+    struct brdffit_test_spec spec = brdffit_test_spec_default();
+    struct brdffit_test_data data;
+    brdffit_interval_options asked;
+    brdffit_options o;
+    size_t i;
+
+    (void)state;
+    spec.noise = 0.02;
+    spec.lobes = 1;
+    spec.weighted = 1;
+    spec.channels = 5;
+    brdffit_test_data_new(&spec, &data);
+    for (i = 0; i < spec.count; i++) {
+        data.values[5 * i + 2] = data.values[5 * i];
+        data.values[5 * i + 3] = 0.0;
+        data.values[5 * i + 4] = 2.0 * data.values[5 * i];
+    }
+    brdffit_options_init(&o);
+    brdffit_interval_options_init(&asked);
+    attack("equal and zero channels, weights", &data.samples, &o, NULL, FEWER(60, 10));
+    asked.noise = 0.1;
+    asked.level = 0.5;
+    attack("noise 0.1", &data.samples, &o, &asked, FEWER(60, 10));
+    o.normalise = BRDFFIT_NORMALISE_NONE;
+    attack("own units", &data.samples, &o, NULL, FEWER(60, 10));
+    asked.noise = 0.0;
+    asked.eta = 1e6;
+    attack("eta 1e6", &data.samples, &o, &asked, FEWER(60, 10));
+    brdffit_test_data_free(&data);
+}
+
+/* A lobe that is narrower than what the directions resolve, one that is not there, and one roughness only. */
+static void flat(void **state)
+{
+    struct brdffit_test_spec spec = brdffit_test_spec_default();
+    struct brdffit_test_data data;
+    struct claimed c;
+    brdffit_interval_options asked;
+    brdffit_options o;
+
+    (void)state;
+    brdffit_options_init(&o);
+    brdffit_interval_options_init(&asked);
+    spec.noise = 0.01;
+    spec.lobes = 1;
+    spec.sigma[0] = 0.001;
+    spec.layout = BRDFFIT_TEST_GRID;
+    brdffit_test_data_new(&spec, &data);
+    attack("unresolved", &data.samples, &o, NULL, FEWER(100, 10));
+    claim(&data.samples, &o, NULL, &c);
+    assert_true(c.claim->sigma[0].flags & BRDFFIT_INTERVAL_LOW_END);
+    assert_true(c.claim->sigma[0].low == c.fit->sigma_floor);
+    claim_free(&c);
+    o.fresnel = BRDFFIT_FRESNEL_SCHLICK;
+    attack("unresolved, Schlick", &data.samples, &o, NULL, FEWER(100, 10));
+    brdffit_test_data_free(&data);
+
+    brdffit_options_init(&o);
+    spec = brdffit_test_spec_default();
+    spec.noise = 0.01;
+    spec.lobes = 1;
+    spec.specular[0] = 0.0;
+    spec.channels = 1;
+    brdffit_test_data_new(&spec, &data);
+    attack("no lobe", &data.samples, &o, NULL, FEWER(100, 10));
+    o.fresnel = BRDFFIT_FRESNEL_SCHLICK;
+    attack("no lobe, Schlick", &data.samples, &o, NULL, FEWER(100, 10));
+    claim(&data.samples, &o, NULL, &c);
+    assert_true(c.claim->f0[0].low == 0.0 && c.claim->f0[0].high == 1.0);
+    assert_int_equal(c.claim->f0[0].flags & 3u, BRDFFIT_INTERVAL_LOW_END | BRDFFIT_INTERVAL_HIGH_END);
+    claim_free(&c);
+    brdffit_options_init(&o);
+    o.sigma_min = o.sigma_max = 0.3;
+    attack("one roughness", &data.samples, &o, NULL, FEWER(20, 5));
+    o.sigma_min = 0.05;
+    o.sigma_max = 0.3;
+    o.lobes = 2;
+    attack("two lobes of none", &data.samples, &o, NULL, FEWER(60, 5));
+    brdffit_test_data_free(&data);
+}
+
+/* Zero data, one sample, data that fit exactly. */
+static void degenerate(void **state)
+{
+    struct brdffit_test_spec spec = brdffit_test_spec_default();
+    struct brdffit_test_data data;
+    struct claimed c;
+    brdffit_interval_options asked;
+    brdffit_options o;
+    brdffit_error error;
+    const brdffit_interval_result *none = NULL;
+    size_t i;
+
+    (void)state;
+    brdffit_options_init(&o);
+    brdffit_interval_options_init(&asked);
+    spec.lobes = 1;
+    brdffit_test_data_new(&spec, &data);
+    attack("exact, 95 %", &data.samples, &o, NULL, 5);
+    asked.noise = 1e-3;
+    attack("exact, noise given", &data.samples, &o, &asked, FEWER(60, 5));
+    for (i = 0; i < spec.count * spec.channels; i++) {
+        data.values[i] = 0.0;
+    }
+    claim(&data.samples, &o, NULL, &c);
+    assert_true(c.claim->threshold == 0.0);
+    assert_true(c.claim->x[0].high < 1e-100 && c.claim->sigma[0].flags == 3u);
+    claim_free(&c);
+    attack("zero, noise given", &data.samples, &o, &asked, FEWER(30, 5));
+    data.samples.count = 1;
+    data.values[0] = 1.0;
+    claim(&data.samples, &o, &asked, &c);
+    check_ranges(&c);
+    assert_true(c.claim->x[0].low == 0.0 && c.claim->y[0].low == 0.0);
+    assert_int_equal(brdffit_intervals(&data.samples, &o, c.fit->model, c.fit->e2, NULL, c.workspace,
+                                       brdffit_intervals_workspace_size(1, spec.channels, &o), &none, &error),
+                     BRDFFIT_ERR_VALUE);
+    claim_free(&c);
+    attack("one sample", &data.samples, &o, &asked, FEWER(30, 5));
+    brdffit_test_data_free(&data);
+}
+
+/* Truths inside of their 95 % intervals, over many draws of noise. */
+static void coverage(void **state)
+{
+    struct brdffit_test_spec spec = brdffit_test_spec_default();
+    size_t seeds = FEWER(400, 20), inside[7] = {0}, all = 0, i, j, k;
+    brdffit_options o;
+
+    (void)state;
+    spec.lobes = 1;
+    spec.noise = 0.02;
+    brdffit_options_init(&o);
+    o.normalise = BRDFFIT_NORMALISE_NONE;
+    spec.channels = 1;
+    for (i = 0; i < seeds; i++) {
+        struct brdffit_test_data data;
+        struct claimed c;
+
+        spec.seed = 1000 + i;
+        brdffit_test_data_new(&spec, &data);
+        claim(&data.samples, &o, NULL, &c);
+        inside[0] += c.claim->sigma[0].low <= spec.sigma[0] && spec.sigma[0] <= c.claim->sigma[0].high;
+        for (k = 0; k < spec.channels; k++) {
+            double x = spec.diffuse * (1.0 + (double)k / 4.0), y = spec.specular[0] * (1.0 + (double)k / 8.0);
+
+            inside[1 + 2 * k] += c.claim->x[k].low <= x && x <= c.claim->x[k].high;
+            inside[2 + 2 * k] += c.claim->y[k].low <= y && y <= c.claim->y[k].high;
+        }
+        claim_free(&c);
+        brdffit_test_data_free(&data);
+    }
+    for (j = 0; j < 1 + 2 * spec.channels; j++) {
+        printf("coverage of %s: %.1f %% of %zu\n", j == 0 ? "sigma" : j % 2 ? "x" : "y",
+               100.0 * (double)inside[j] / (double)seeds, seeds);
+        all += inside[j];
+        assert_true(inside[j] > FEWER(88 * seeds / 100, 0));
+    }
+    assert_true(all <= 7 * seeds);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(one_lobe)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(one_lobe), cmocka_unit_test(other_models),
+                                       cmocka_unit_test(channels_and_units), cmocka_unit_test(flat),
+                                       cmocka_unit_test(degenerate), cmocka_unit_test(coverage)};
 
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -32,6 +32,8 @@
 /* Steps of the golden section, and of bisections of a share. */
 #define LEVEL_STEPS 22
 #define LEVEL_HALVINGS 40
+/* Cosines of what only suggests a z. */
+#define ATTAIN_COSINE (1.0 - 1e-13)
 
 static double gain_above(int columns, const double *cosine, const double *t)
 {
@@ -224,7 +226,7 @@ int brdffit_level_attain(const struct level *v, int sense, double z[NNLS_COLUMNS
 
     for (i = 0; i < v->columns; i++) {
         for (j = i + 1; j < v->columns; j++) {
-            cosine[i][j] = v->cosine[COSINE(v->columns, i, j)];
+            cosine[i][j] = fmin(v->cosine[COSINE(v->columns, i, j)], ATTAIN_COSINE); /* t need not fit parallel ones */
         }
     }
     brdffit_nnls_factor_gram(&factored, v->columns, cosine);
