@@ -9,6 +9,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "confidence.h"
 #include "failure.h"
 #include "interrupt.h"
 #include "weigh.h"
@@ -78,6 +79,7 @@ void brdffit_cli_fitter_free(struct cli_fitter *fitter)
     brdffit_io_free(fitter->directions);
     free(fitter->workspace);
     free(fitter->verify_workspace);
+    free(fitter->interval_workspace);
     memset(fitter, 0, sizeof *fitter);
 }
 
@@ -214,7 +216,7 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
 /* Sums have weight 1 throughout. */
 static int fits_sums(const struct cli_settings *settings)
 {
-    return settings->verify == NULL && (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
+    return settings->verify == NULL && settings->confidence == 0 && (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
 }
 
 static void weigh(struct cli_job *job, const struct cli_settings *settings)
@@ -246,6 +248,9 @@ void brdffit_cli_job_check(struct cli_job *job, struct cli_fitter *fitter)
 {
     if (job->status == BRDFFIT_OK && fitter->settings->verify != NULL) {
         verify(job, fitter);
+    }
+    if (job->status == BRDFFIT_OK && fitter->settings->confidence > 0) {
+        brdffit_cli_confidence_run(job, fitter);
     }
     if (job->status == BRDFFIT_OK && fitter->settings->stats && fitter->options.lobes > 1) {
         fit_one_lobe(job, fitter);

@@ -30,6 +30,7 @@ struct cli_settings {
     int engine;
     int socp_every_box;
     const char *verify;   /* as given: socp or socp=MARGIN; NULL: do not */
+    double confidence;    /* --confidence, in percent; 0: none */
     double verify_margin; /* what --verify leaves of the bound */
     int normalise;
     double sigma_min;
