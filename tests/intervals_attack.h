@@ -23,7 +23,8 @@ struct attack {
     size_t channels, count;
     double *column; /* columns x count: radiance times root of weight; 0 where not used */
     long double gram[ATTACK_COLUMNS][ATTACK_COLUMNS], *along, *square; /* along: channels x columns */
-    size_t inside, outside; /* models tried with E^2 <= threshold; of these, with a parameter outside of what is claimed */
+    size_t inside,
+        outside; /* models tried with E^2 <= threshold; of these, with a parameter outside of what is claimed */
     long double reached[2][256]; /* least and largest of each parameter met, in the order of attack_check() */
 };
 
@@ -100,9 +101,9 @@ static inline void attack_at(struct attack *a, const double *sigma)
             for (i = 0; i < a->count; i++) {
                 double w = a->samples->weights ? sqrt(a->samples->weights[i]) : 1.0;
 
-                sum += attack_used(a, i)
-                           ? (long double)a->column[(size_t)c * a->count + i] * w * a->samples->values[i * a->channels + k]
-                           : 0.0L;
+                sum += attack_used(a, i) ? (long double)a->column[(size_t)c * a->count + i] * w *
+                                               a->samples->values[i * a->channels + k]
+                                         : 0.0L;
             }
             a->along[k * (size_t)a->columns + (size_t)c] = sum;
         }
@@ -279,8 +280,9 @@ static inline int attack_sigma(struct attack *a, const double *sigma, int walks,
     memcpy(z, best, total * sizeof *z);
     for (i = 0; fine && i < walks; i++) {
         size_t where = brdffit_test_below(random, total);
-        long double old = z[where], sum = 0.0L, own = old + brdffit_test_normal(random) * 0.1L *
-                                                            (best[where] + sqrtl(limit / (long double)a->count));
+        long double old = z[where], sum = 0.0L,
+                    own = old +
+                          brdffit_test_normal(random) * 0.1L * (best[where] + sqrtl(limit / (long double)a->count));
 
         z[where] = a->gram[where % n][where % n] > 0.0L ? fmaxl(own, 0.0L) : 0.0L; /* a column that there is not */
         for (k = 0; k < a->channels; k++) {

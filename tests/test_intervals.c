@@ -19,8 +19,8 @@ struct claimed {
     void *workspace;
 };
 
-static void claim(const brdffit_samples *samples, const brdffit_options *options,
-                  const brdffit_interval_options *asked, struct claimed *out)
+static void claim(const brdffit_samples *samples, const brdffit_options *options, const brdffit_interval_options *asked,
+                  struct claimed *out)
 {
     size_t size = brdffit_intervals_workspace_size(samples->count, samples->channels, options);
     brdffit_error error = {0};
@@ -81,8 +81,8 @@ static void print_claim(const char *title, const struct claimed *c, const struct
     size_t at = 0, k;
     int p, f;
 
-    printf("%s: threshold %.6g of e2 %.6g, %zu boxes; %zu models near enough, %zu outside\n", title, r->threshold, r->e2,
-           r->boxes, a->inside, a->outside);
+    printf("%s: threshold %.6g of e2 %.6g, %zu boxes; %zu models near enough, %zu outside\n", title, r->threshold,
+           r->e2, r->boxes, a->inside, a->outside);
     for (p = 0; p < r->lobes; p++, at++) {
         print_range("sigma", &r->sigma[p], (long double[2]){a->reached[0][at], a->reached[1][at]});
     }
@@ -392,7 +392,10 @@ static void coverage(void **state)
         brdffit_test_data_free(&data);
     }
     for (j = 0; j < 1 + 2 * spec.channels; j++) {
-        printf("coverage of %s: %.1f %% of %zu\n", j == 0 ? "sigma" : j % 2 ? "x" : "y",
+        printf("coverage of %s: %.1f %% of %zu\n",
+               j == 0  ? "sigma"
+               : j % 2 ? "x"
+                       : "y",
                100.0 * (double)inside[j] / (double)seeds, seeds);
         all += inside[j];
         assert_true(inside[j] > FEWER(88 * seeds / 100, 0));
@@ -402,9 +405,9 @@ static void coverage(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(one_lobe), cmocka_unit_test(other_models),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(one_lobe),           cmocka_unit_test(other_models),
                                        cmocka_unit_test(channels_and_units), cmocka_unit_test(flat),
-                                       cmocka_unit_test(degenerate), cmocka_unit_test(coverage)};
+                                       cmocka_unit_test(degenerate),         cmocka_unit_test(coverage)};
 
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

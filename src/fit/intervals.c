@@ -18,8 +18,6 @@
 #define DEFAULT_LEVEL 0.95
 #define DEFAULT_TOLERANCE 0.02
 #define DEFAULT_BUDGET 20000
-/* Relative rounding of sigma from theta and of what follows. */
-#define SIGMA_ROUNDING 1e-14
 
 /* In the workspace behind a fit's. */
 struct arrays {
@@ -62,13 +60,12 @@ brdffit_status brdffit_intake_interval_options(const brdffit_interval_options *c
 
 static brdffit_status bad(brdffit_error *error, const char *message, double value)
 {
-    brdffit_status status = brdffit_fail_at(error, message, BRDFFIT_NONE, BRDFFIT_NONE, value);
+    brdffit_status status = brdffit_fail(error, BRDFFIT_ERR_OPTION, message);
 
     if (error) {
-        error->status = BRDFFIT_ERR_OPTION;
+        error->value = value;
     }
-    (void)status;
-    return BRDFFIT_ERR_OPTION;
+    return status;
 }
 
 static brdffit_status check_asked(const brdffit_interval_options *a, brdffit_error *error)
@@ -272,8 +269,8 @@ static void sigma_interval(const struct call *c, int kind, const brdffit_range *
     const struct domain *d = &c->fit.domain[kind];
     double floor = sigma_at(c, kind, fmax(d->high, fmax(d->flat, d->low))), top = sigma_at(c, kind, d->low);
 
-    out->low = theta->high >= d->high ? floor : fmax(floor, sigma_at(c, kind, theta->high) * (1.0 - SIGMA_ROUNDING));
-    out->high = theta->low <= d->low ? top : fmin(top, sigma_at(c, kind, theta->low) * (1.0 + SIGMA_ROUNDING));
+    out->low = theta->high >= d->high ? floor : fmax(floor, sigma_at(c, kind, theta->high) * (1.0 - TOL_SIGMA));
+    out->high = theta->low <= d->low ? top : fmin(top, sigma_at(c, kind, theta->low) * (1.0 + TOL_SIGMA));
     out->inner_low = theta->inner_high >= d->high ? out->low : fmax(out->low, sigma_at(c, kind, theta->inner_high));
     out->inner_high = fmin(out->high, sigma_at(c, kind, theta->inner_low));
     out->inner_low = fmin(out->inner_low, out->inner_high);
@@ -286,8 +283,8 @@ static void exponent_interval(const struct call *c, const brdffit_range *sigma, 
 {
     double low = c->options->exponent_min, high = c->options->exponent_max;
 
-    out->low = fmax(low, (1.0 - SIGMA_ROUNDING) / (sigma->high * sigma->high));
-    out->high = fmin(high, (1.0 + SIGMA_ROUNDING) / (sigma->low * sigma->low));
+    out->low = fmax(low, (1.0 - TOL_SIGMA) / (sigma->high * sigma->high));
+    out->high = fmin(high, (1.0 + TOL_SIGMA) / (sigma->low * sigma->low));
     out->inner_low = fmax(out->low, 1.0 / (sigma->inner_high * sigma->inner_high));
     out->inner_high = fmin(out->high, 1.0 / (sigma->inner_low * sigma->inner_low));
     out->flags = (sigma->flags & BRDFFIT_INTERVAL_LOW_END ? BRDFFIT_INTERVAL_HIGH_END : 0u) |

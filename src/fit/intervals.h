@@ -38,7 +38,8 @@ struct intervals_work {
     double tolerance;
 };
 
-void brdffit_intervals_search(struct intervals_work *work, const struct interval_end *end, struct interval_found *found);
+void brdffit_intervals_search(struct intervals_work *work, const struct interval_end *end,
+                              struct interval_found *found);
 
 /* The side of a box that has lobe p of a result, where like lobes stand in the other order. */
 static inline int intervals_side(const struct model *model, int p)

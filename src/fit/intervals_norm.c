@@ -16,11 +16,6 @@
 #include "base/exp.h"
 #include "base/tolerance.h"
 
-/* Pieces of the stretch beyond the domain. */
-#define TAIL_PIECES 64
-/* Relative allowance for rounding of norms, a few times that of nodes (some 1e-13). */
-#define NORM_ROUNDING 1e-11
-
 static int less(struct wide a, struct wide b)
 {
     double unit;
@@ -100,8 +95,8 @@ struct wide_range brdffit_intervals_norm(struct intervals_work *w, int c, uint32
             join(f, c, high + i * step, brdffit_fit_outwards(high + (i + 1) * step, 1.0), roots, &range);
         }
     }
-    range.low = wide_times(range.low, wide_of(t->scale_b * (1.0 - NORM_ROUNDING)));
-    range.high = wide_times(range.high, wide_of(t->scale_b * (1.0 + NORM_ROUNDING)));
+    range.low = wide_times(range.low, wide_of(t->scale_b * (1.0 - TOL_NORM)));
+    range.high = wide_times(range.high, wide_of(t->scale_b * (1.0 + TOL_NORM)));
     return range;
 }
 
@@ -130,8 +125,8 @@ void brdffit_intervals_ratio(struct intervals_work *w, int side, uint32_t interv
     const struct table *one = varpro_table(&f->varpro, c), *two = varpro_table(&f->varpro, c + 1);
     double scale = one->scale_b / two->scale_b;
 
-    ratio[0] = e->low->root > 0.0 ? g->high->root / e->low->root * scale * (1.0 - NORM_ROUNDING) : 0.0;
-    ratio[1] = e->high->root > 0.0 ? g->low->root / e->high->root * scale * (1.0 + NORM_ROUNDING) : (double)INFINITY;
+    ratio[0] = e->low->root > 0.0 ? g->high->root / e->low->root * scale * (1.0 - TOL_NORM) : 0.0;
+    ratio[1] = e->high->root > 0.0 ? g->low->root / e->high->root * scale * (1.0 + TOL_NORM) : (double)INFINITY;
     if (at_tail(f, side, interval) && two->c_low > 0.0) {
         ratio[1] = INFINITY;
     }

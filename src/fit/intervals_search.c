@@ -15,15 +15,6 @@
 #include "bound/moment/extreme.h"
 #include "solve/level.h"
 
-/* Boxes narrower than this in every theta are not split: rounding is all that is left in most of them. */
-#define INTERVAL_RESOLUTION 1e-7
-/* Allowance of what is reached, in units of the slack. */
-#define REACHED_SLACK 16.0
-/* Roughnesses beyond the domain that are tried. */
-#define TAIL_POINTS 16
-/* A tolerance is at least this part of the value itself. */
-#define LEAST_RELATIVE 1e-6
-
 struct ender {
     struct intervals_work *work;
     const struct interval_end *end;
@@ -249,7 +240,7 @@ static double to_gain(const struct fit *f, size_t k, double threshold)
 
         others += i == k ? 0.0 : f->varpro.answer[i].rss * (scale * scale);
     }
-    return f->data.ii[k] - (threshold - others) + REACHED_SLACK * f->moment.moments.slack;
+    return f->data.ii[k] - (threshold - others) + TOL_REACHED * f->moment.moments.slack;
 }
 
 static struct wide column_norm(const struct fit *f, int column, double theta)
@@ -298,8 +289,8 @@ static double reached_coefficient(struct ender *e, const struct level *asked, do
         return INFINITY;
     }
     sum = z[level.asked[0]] + (level.asked[1] >= 0 ? ratio * z[level.asked[1]] : 0.0);
-    return objective_of(e->end, norm.value > 0.0 ? brdffit_intervals_value(e->work->fit, e->end->channel, sum, norm, 0)
-                                                 : 0.0);
+    return objective_of(e->end,
+                        norm.value > 0.0 ? brdffit_intervals_value(e->work->fit, e->end->channel, sum, norm, 0) : 0.0);
 }
 
 static double try_coefficient(struct ender *e, const struct point *at)
@@ -324,11 +315,10 @@ static double try_coefficient(struct ender *e, const struct point *at)
 static void set_tolerance(struct ender *e)
 {
     double fitted = e->end->fitted, reached = objective_of(e->end, e->reached);
-    double least = LEAST_RELATIVE * fmax(fabs(fitted), fabs(reached));
+    double least = INTERVAL_LEAST * fmax(fabs(fitted), fabs(reached));
 
-    e->rules.absolute_gap = e->work->tolerance * fmax(fabs(reached - fitted), e->end->parameter == PARAMETER_THETA
-                                                                                  ? LEAST_RELATIVE
-                                                                                  : least);
+    e->rules.absolute_gap = e->work->tolerance *
+                            fmax(fabs(reached - fitted), e->end->parameter == PARAMETER_THETA ? INTERVAL_LEAST : least);
     e->rules.absolute_gap = isfinite(e->rules.absolute_gap) ? e->rules.absolute_gap : 0.0;
     e->own.noise = 0.25 * e->rules.absolute_gap;
 }

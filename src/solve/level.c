@@ -15,8 +15,7 @@
  * A share: z0 (1 - f) >= z1 f ratio says that z is a sum, >= 0, of column asked[0] and of (f ratio, 1 - f) of the two. So R of
  * the model with that column, at unit norm, in the place of asked[1] decides, exactly; and the set shrinks with f.
  *
- * Rounding. gain_n.h: TOL_GAIN TOL_GAIN_COLUMNS u |t|^2, of the t that is evaluated; a few u more for entries of a merged
- * column.
+ * Rounding: TOL_LEVEL u |t|^2, of the t that is evaluated.
  */
 #include "solve/level.h"
 
@@ -25,7 +24,6 @@
 #include "base/exp.h"
 #include "base/tolerance.h"
 
-#define LEVEL_ROUNDING (2.0 * TOL_GAIN * TOL_GAIN_COLUMNS * TOL_UNIT)
 /* Range of ln(lambda / (2 sqrt(R - c))): v from 1/7 to 1e15, and room. */
 #define LEVEL_LOWEST (-18.5)
 #define LEVEL_HIGHEST 2.5
@@ -43,7 +41,7 @@ static double gain_above(int columns, const double *cosine, const double *t)
     for (j = 0; j < columns; j++) {
         size += t[j] * t[j];
     }
-    return brdffit_nnls_gain(columns, cosine, t) + LEVEL_ROUNDING * size;
+    return brdffit_nnls_gain(columns, cosine, t) + TOL_LEVEL * TOL_UNIT * size;
 }
 
 static double reach_at(const struct level *v, int sense, double lambda)
@@ -147,9 +145,9 @@ static int share_possible(const struct level *v, double ratio, double f)
 
             cosine[e] = v->cosine[e];
             if (i == b || j == b) {
-                double with_first = other == a   ? 1.0
-                                    : other < a  ? v->cosine[COSINE(n, other, a)]
-                                                 : v->cosine[COSINE(n, a, other)];
+                double with_first = other == a  ? 1.0
+                                    : other < a ? v->cosine[COSINE(n, other, a)]
+                                                : v->cosine[COSINE(n, a, other)];
 
                 cosine[e] = (first * with_first + second * v->cosine[e]) / norm;
                 cosine[e] = (other == a ? (first + second * m) / norm : cosine[e]) * (1.0 - 16.0 * TOL_UNIT);
@@ -220,7 +218,8 @@ static void maximise(const struct level *v, const struct nnls *factored, double 
 
 int brdffit_level_attain(const struct level *v, int sense, double z[NNLS_COLUMNS])
 {
-    double cosine[NNLS_COLUMNS][NNLS_COLUMNS] = {{0.0}}, low = LEVEL_LOWEST, high = LEVEL_HIGHEST + 4.0, unit, trial[NNLS_COLUMNS];
+    double cosine[NNLS_COLUMNS][NNLS_COLUMNS] = {{0.0}}, low = LEVEL_LOWEST, high = LEVEL_HIGHEST + 4.0, unit,
+           trial[NNLS_COLUMNS];
     struct nnls factored;
     int i, j;
 

@@ -55,6 +55,7 @@ static void end_cell(struct cli_text *text, struct cli_style style, double value
 static void row(struct cli_text *text, struct cli_style style, const char *name, const brdffit_range *range)
 {
     const size_t both = BRDFFIT_INTERVAL_LOW_END | BRDFFIT_INTERVAL_HIGH_END;
+    brdffit_cli_text_puts(text, "  ");
     brdffit_cli_cell(text, style, name, -NAME_WIDTH);
     end_cell(text, style, range->low, 0);
     end_cell(text, style, range->high, 1);
@@ -89,7 +90,10 @@ static void channel_rows(struct cli_text *text, struct cli_style style, const st
     char name[32];
     for (size_t f = 0; f < columns + lobes; f++) {
         const size_t p = f - columns;
-        (void)snprintf(name, sizeof name, f == 0 ? "diffuse x" : f < columns ? "diffuse x%zu" : "lobe %zu y",
+        (void)snprintf(name, sizeof name,
+                       f == 0        ? "diffuse x"
+                       : f < columns ? "diffuse x%zu"
+                                     : "lobe %zu y",
                        f < columns ? f + 1 : p + 1);
         brdffit_cli_text_puts(text, "  ");
         if (f == 0) {
@@ -111,12 +115,14 @@ static void say_what(struct cli_text *text, struct cli_style style, const struct
 {
     const brdffit_interval_result *const r = job->intervals;
     struct cli_text words = {0};
-    brdffit_cli_text_printf(&words, "proven: outside of them every fit has E%s above ", brdffit_cli_glyph(style, CLI_SQUARED));
+    brdffit_cli_text_printf(&words, "proven: outside of them every fit has E%s above ",
+                            brdffit_cli_glyph(style, CLI_SQUARED));
     brdffit_cli_directed(&words, r->threshold, 6, 0);
-    brdffit_cli_text_printf(&words,
-                            ", the threshold of %g\t%% for independent Gaussian noise of standard deviation %.3g (from the "
-                            "residual, of units that were minimised); ",
-                            100 * r->level, r->noise);
+    brdffit_cli_text_printf(
+        &words,
+        ", the threshold of %g\t%% for independent Gaussian noise of standard deviation %.3g (from the "
+        "residual, of units that were minimised); ",
+        100 * r->level, r->noise);
     brdffit_cli_grouped(&words, r->boxes);
     brdffit_cli_text_puts(&words, " boxes, ");
     brdffit_cli_duration(&words, job->interval_seconds);
@@ -139,6 +145,7 @@ void brdffit_cli_confidence_report(struct cli_text *text, struct cli_style style
     (void)snprintf(title, sizeof title, "%g %% interval", fitter->settings->confidence);
     brdffit_cli_text_puts(text, "\n  ");
     brdffit_cli_cell(text, style, "channel", -width);
+    brdffit_cli_text_puts(text, "  ");
     brdffit_cli_cell(text, style, title, -NAME_WIDTH);
     brdffit_cli_cell(text, style, "from", END_WIDTH);
     brdffit_cli_cell(text, style, "to", END_WIDTH);

@@ -216,7 +216,8 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
 /* Sums have weight 1 throughout. */
 static int fits_sums(const struct cli_settings *settings)
 {
-    return settings->verify == NULL && settings->confidence == 0 && (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
+    return settings->verify == NULL && settings->confidence == 0 &&
+           (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
 }
 
 static void weigh(struct cli_job *job, const struct cli_settings *settings)

@@ -176,9 +176,8 @@ double brdffit_moment_extreme(struct bound_moment *e, const struct box *box, con
 
     open_box(&o, e, box);
     for (c = 0; c < 1u << o.S; c++) {
-        corner[c] = mirrored(&o, c)
-                        ? -(double)INFINITY
-                        : reach_at(&o, &o.view.gains, x, c, NULL, -(double)INFINITY, &multiplier);
+        corner[c] = mirrored(&o, c) ? -(double)INFINITY
+                                    : reach_at(&o, &o.view.gains, x, c, NULL, -(double)INFINITY, &multiplier);
     }
     multiplier = 0.0;
     most = reach_at(&o, &o.view.gains, x, 0, o.view.least, -(double)INFINITY, &multiplier);
