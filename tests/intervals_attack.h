@@ -128,11 +128,11 @@ static inline long double attack_e2(const struct attack *a, size_t k, const long
 }
 
 /* min over z >= 0 of E_k^2 - lambda.z (in the channel's own units), by coordinate descent from *z. */
-static inline void attack_solve(const struct attack *a, size_t k, const long double *lambda, long double *z)
+static inline void attack_solve(const struct attack *a, size_t k, const long double *lambda, int sweeps, long double *z)
 {
     int sweep, c, d;
 
-    for (sweep = 0; sweep < 400; sweep++) {
+    for (sweep = 0; sweep < sweeps; sweep++) {
         long double moved = 0.0L;
 
         for (c = 0; c < a->columns; c++) {
@@ -244,7 +244,7 @@ static inline int attack_sigma(struct attack *a, const double *sigma, int walks,
 
     attack_at(a, sigma);
     for (k = 0; k < a->channels; k++) {
-        attack_solve(a, k, lambda, best + k * n);
+        attack_solve(a, k, lambda, 5000, best + k * n);
         e2[k] = attack_e2(a, k, best + k * n);
         all += e2[k];
     }
@@ -267,7 +267,7 @@ static inline int attack_sigma(struct attack *a, const double *sigma, int walks,
                 memcpy(own, best + k * n, n * sizeof *own);
                 memset(lambda, 0, sizeof lambda);
                 lambda[c / 2] = sense * unit * expl(0.3L * middle);
-                attack_solve(a, k, lambda, own);
+                attack_solve(a, k, lambda, 400, own);
                 if (attack_e2(a, k, own) <= room) {
                     low = middle;
                     attack_check(a, sigma, z);
