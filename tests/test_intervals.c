@@ -375,7 +375,7 @@ static void degenerate(void **state)
 static void campaign(void **state)
 {
     struct brdffit_test_random random = {77};
-    size_t problems = FEWER(24, 6), i;
+    size_t problems = FEWER(16, 6), i;
 
     (void)state;
     for (i = 0; i < problems; i++) {
@@ -413,7 +413,7 @@ static void campaign(void **state)
         asked.eta = brdffit_test_log_uniform(&random, 1e-3, 10.0);
         asked.tolerance = o.lobes > 1 ? 0.02 : 1e-3;
         asked.box_budget = o.lobes > 1 ? 2000 : 20000;
-        attack("random", &data.samples, &o, &asked, FEWER(o.lobes > 1 ? 40 : 150, 5));
+        attack("random", &data.samples, &o, &asked, FEWER(o.lobes > 1 ? 30 : 80, 5));
         brdffit_test_data_free(&data);
     }
 }
@@ -422,7 +422,7 @@ static void campaign(void **state)
 static void coverage(void **state)
 {
     struct brdffit_test_spec spec = brdffit_test_spec_default();
-    size_t seeds = FEWER(400, 20), inside[7] = {0}, all = 0, i, j, k;
+    size_t seeds = FEWER(200, 20), inside[7] = {0}, all = 0, i, j, k;
     brdffit_options o;
 
     (void)state;
