@@ -261,13 +261,13 @@ static inline int attack_sigma(struct attack *a, const double *sigma, int walks,
             sense = c % 2 ? 1 : -1;
             memcpy(z, best, total * sizeof *z);
             unit = sqrtl(fmaxl(limit - all, 1e-30L) * a->gram[c / 2][c / 2]) * a->scale[k];
-            for (i = 0; i < 40; i++) {
+            for (i = 0; i < 26; i++) {
                 long double middle = 0.5L * (low + high), *own = z + k * n;
 
                 memcpy(own, best + k * n, n * sizeof *own);
                 memset(lambda, 0, sizeof lambda);
                 lambda[c / 2] = sense * unit * expl(0.3L * middle);
-                attack_solve(a, k, lambda, 400, own);
+                attack_solve(a, k, lambda, 150, own);
                 if (attack_e2(a, k, own) <= room) {
                     low = middle;
                     attack_check(a, sigma, z);
