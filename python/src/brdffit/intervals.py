@@ -93,7 +93,8 @@ def _table(start: int | None, shape: tuple[int, ...]) -> npt.NDArray[np.float64]
     if not start:
         return None
     count = math.prod(shape)
-    words = np.frombuffer(ctypes.string_at(start, ctypes.sizeof(structs.Range) * count), np.float64).reshape(*shape, 5).copy()
+    flat = np.frombuffer(ctypes.string_at(start, ctypes.sizeof(structs.Range) * count), np.float64)
+    words: npt.NDArray[np.float64] = flat.reshape(*shape, 5).copy()
     words[..., 4] = words[..., 4].copy().view(np.uint64)
     return words
 
