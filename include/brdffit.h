@@ -945,6 +945,87 @@ typedef struct brdffit_many_stats {
 #define brdffit_many_stats_init(stats) brdffit_many_stats_init_sized((stats), sizeof *(stats))
 BRDFFIT_API void brdffit_many_stats_init_sized(brdffit_many_stats *stats, size_t struct_size);
 
+/* ---- How sure: intervals of every parameter ---------------------------- */
+
+/* What brdffit_intervals() is asked for. Zero stands for the default of each. */
+typedef struct brdffit_interval_options {
+    size_t struct_size;
+    double level; /* of likelihood intervals, in (0, 1 - 1e-9]. Default 0.95 */
+    double noise; /* > 0: standard deviation of the noise of a sample of weight 1, in the units that were minimised
+                     (the data's divided by channel_scale). 0: estimated from e2 */
+    double eta; /* > 0: all models with E^2 <= (1 + eta) e2 instead; level and noise are not used */
+    double tolerance; /* an end is proven to this share of its distance from the fitted value, where the budget allows;
+                         in (0, 1]. Default 0.02 */
+    size_t box_budget; /* most boxes for each end. Default 20000 */
+} brdffit_interval_options;
+
+/* Zero but for struct_size. NULL is fine: nothing happens. */
+#define brdffit_interval_options_init(options) brdffit_interval_options_init_sized((options), sizeof *(options))
+BRDFFIT_API void brdffit_interval_options_init_sized(brdffit_interval_options *options, size_t struct_size);
+
+/* Bits of brdffit_range.flags. */
+#define BRDFFIT_INTERVAL_LOW_END 1u /* reaches the low end of what the model allows: the data set no limit there */
+#define BRDFFIT_INTERVAL_HIGH_END 2u /* the high end likewise; INFINITY where a coefficient has none */
+#define BRDFFIT_INTERVAL_OPEN                                                                                          \
+    4u /* the budget (or memory) ended before an end was proven to the tolerance: still proven, but
+                                    wider than it need be */
+
+typedef struct brdffit_range {
+    double low; /* proven: no model with E^2 <= threshold has the parameter outside of [low, high] */
+    double high;
+    double inner_low; /* some model with E^2 <= threshold, to rounding, has this; low <= inner_low */
+    double inner_high; /* likewise; inner_high <= high */
+    size_t flags; /* BRDFFIT_INTERVAL_* */
+} brdffit_range;
+
+/* Lies in the workspace. K channels, P lobes in the order of a result, F columns of the diffuse term. */
+typedef struct brdffit_interval_result {
+    double threshold; /* of E^2, in the units of e2 */
+    double e2; /* as it was given */
+    double level; /* as it was used; 0 with eta */
+    double noise; /* likewise: given, or sqrt(e2 / degrees); 0 with eta */
+    double degrees; /* effective samples times channels less parameters; 0 unless noise was estimated */
+    const brdffit_range *sigma; /* P; reaches from sigma_floor to sigma_max at most */
+    const brdffit_range *exponent; /* P; zero where the parameter is sigma */
+    const brdffit_range *x; /* K x F row-major, in the data's units */
+    const brdffit_range *y; /* K x P row-major, likewise */
+    const brdffit_range
+        *f0; /* K x P row-major; NULL without Fresnel. [0, 1] with both flags: the data cannot tell it */
+    size_t boxes; /* bounded in all */
+    int lobes;
+    int diffuse_columns;
+    size_t channels;
+    int complete; /* 1 when no interval is OPEN */
+    int stopped; /* 1 when the progress callback said so; what was not done yet reaches to its ends */
+} brdffit_interval_result;
+
+/* Bytes of workspace; 0 as of brdffit_workspace_size(). */
+BRDFFIT_API size_t brdffit_intervals_workspace_size(size_t count, size_t channels, const brdffit_options *options);
+
+/*
+ * Intervals of every parameter over the models that are nearly as good as the best one: {E^2 <= threshold}, with all other
+ * parameters free. `model` and `e2` are those of a fit of the same samples with the same options (brdffit_result.model and
+ * e2), and threshold is
+ *
+ *     (1 + eta) e2                     where eta is given, or
+ *     e2 + q(level) noise^2            with q the quantile of chi-squared of one degree of freedom (3.84 for 0.95).
+ *
+ * The intervals are exact statements about the data and this threshold, whatever the noise is like. That a threshold of
+ * the second kind makes a profile-likelihood interval of that level is the usual approximation for independent Gaussian
+ * noise of equal variance (over weight). The noise is estimated as e2 / (N_eff K - parameters), N_eff = (sum w)^2 / sum w^2
+ * over used samples; with no more data than parameters that is BRDFFIT_ERR_VALUE, and noise or eta has to be given.
+ *
+ * Each end is a search of its own over roughness, with the bounds of engine moment (theory 7.10). Lobes of one distribution
+ * can be exchanged: intervals are those of the ordered ones. Norm L2 and engine moment only: others are BRDFFIT_ERR_UNSUPPORTED.
+ * The workspace is not the one that the model lies in. Of the options' callbacks only progress is called: e2 as given, lower_bound the
+ * threshold. `interval_options` may be NULL. On failure *result is untouched.
+ */
+BRDFFIT_API brdffit_status brdffit_intervals(const brdffit_samples *samples, const brdffit_options *options,
+                                             const brdffit_model *model, double e2,
+                                             const brdffit_interval_options *interval_options, void *workspace,
+                                             size_t workspace_size, const brdffit_interval_result **result,
+                                             brdffit_error *error);
+
 #ifdef __cplusplus
 }
 #endif

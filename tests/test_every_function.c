@@ -218,6 +218,29 @@ static void call_fits(const brdffit_samples *samples)
     free(workspace);
 }
 
+static void call_intervals(const brdffit_samples *samples)
+{
+    brdffit_options o = small_options();
+    const size_t size = brdffit_intervals_workspace_size(SAMPLES, CHANNELS, &o);
+    void *workspace = malloc(size);
+    const brdffit_interval_result *found;
+    brdffit_interval_options asked;
+    const brdffit_result *r;
+
+    assert_int_equal(brdffit_fit_new(samples, &o, &r, NULL), BRDFFIT_OK);
+    VOID(brdffit_interval_options_init_sized, &asked, sizeof asked);
+    keep(&asked, sizeof asked);
+    asked.eta = 0.1;
+    asked.box_budget = 300;
+    VALUE(size_t, brdffit_intervals_workspace_size, SAMPLES, CHANNELS, &o);
+    STATUS(brdffit_intervals, samples, &o, r->model, r->e2, &asked, workspace, size, &found, NULL);
+    keep(found->sigma, (size_t)found->lobes * sizeof *found->sigma);
+    keep(found->x, CHANNELS * sizeof *found->x);
+    keep(found->y, CHANNELS * (size_t)found->lobes * sizeof *found->y);
+    brdffit_result_free(r);
+    free(workspace);
+}
+
 static void call_weights(const brdffit_samples *samples)
 {
     const size_t size = brdffit_weights_size(SAMPLES, CHANNELS, BRDFFIT_WEIGHTING_SOLID_ANGLE);
@@ -431,6 +454,7 @@ static void call_all(const brdffit_samples *samples)
     now.size = 0;
     call_strings();
     call_fits(samples);
+    call_intervals(samples);
     call_weights(samples);
     call_maps(samples);
     call_sums(samples);

@@ -22,7 +22,7 @@ LAYERS = (
     ("arguments", ("_arguments", "_arrays", "_forms", "_lobes", "_terms", "_weights", "_words", "options", "progress")),
     ("files as arrays", ("readers", "readers.*")),
     ("samples", ("samples",)),
-    ("fits", ("fit", "boxes", "compare", "many", "merl", "regressor", "readers.rgl")),
+    ("fits", ("intervals", "fit", "boxes", "compare", "many", "merl", "regressor", "readers.rgl")),
     ("maps in memory", ("maps.*",)),
     ("maps out of core", ("outofcore", "outofcore.*")),
     ("maps", ("maps", "maps.dispatch")),
@@ -30,7 +30,8 @@ LAYERS = (
     ("the public package", ("", "dask", "report", "report.*")),
 )
 # Who may name the class of the other, whose methods call it.
-TYPES = {("_words", "fit"), ("maps.evaluate", "maps.fitmap"), ("maps.files", "maps.fitmap"), ("maps.words", "maps.fitmap")}
+TYPES = {("_words", "fit"), ("intervals", "fit"),
+         ("maps.evaluate", "maps.fitmap"), ("maps.files", "maps.fitmap"), ("maps.words", "maps.fitmap")}
 
 
 def modules(package):

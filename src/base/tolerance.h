@@ -168,4 +168,22 @@
  * the exponent (model/smith.h), its square within 20. */
 #define TOL_MASKING 24.0
 
+/* Gains of a level set (solve/level.c), in units of u relative to |t|^2: TOL_GAIN TOL_GAIN_COLUMNS, and entries of a merged
+ * column. */
+#define TOL_LEVEL (2.0 * TOL_GAIN * TOL_GAIN_COLUMNS)
+/* Relative error of the norm of a column, root of its sums (some 1e-13) times a scalar of c_min s up to 709. */
+#define TOL_NORM 1e-11
+/* Relative error of sigma and 1 / sigma^2 from theta. */
+#define TOL_SIGMA 1e-14
+/* Room below the threshold of what an interval says is reached, in units of the slack of an objective. */
+#define TOL_REACHED 16.0
+/* Boxes narrower than this in every theta are not split for an interval: near the least change of theta that sums over
+ * samples can see. */
+#define INTERVAL_RESOLUTION 1e-7
+/* The gap of an end is at least this part of the value, where it is hardly away from the fitted one. */
+#define INTERVAL_LEAST 1e-6
+/* Beyond the domain lobes differ in a scalar alone: its range is taken over so many pieces, and so many points are tried. */
+#define TAIL_PIECES 64
+#define TAIL_POINTS 16
+
 #endif

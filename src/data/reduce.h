@@ -113,6 +113,9 @@ void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t 
 brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples, const struct model *model,
                               const brdffit_options *options, brdffit_error *error);
 
+/* Whether channels k and l have the same sums, to the bit; before the next call. */
+int brdffit_reduce_same_channels(const struct reduced *reduced, size_t k, size_t l);
+
 /* Leave to the bounds only the channels that they need. `linear` is changed in place: once after each reduction. */
 void brdffit_reduce_channels(struct reduced *reduced);
 

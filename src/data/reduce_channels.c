@@ -15,7 +15,7 @@ static int same_row(const double *p, const double *q, size_t n)
     return memcmp(p, q, n * sizeof *p) == 0;
 }
 
-/* Whether channels k and l have the same sums; `negative`: their negative parts are there. */
+/* `negative`: their negative parts are there. */
 static int same_sums(const struct reduced *r, size_t k, size_t l, int negative)
 {
     size_t n = r->stride, K = r->channels;
@@ -32,6 +32,11 @@ static int same_sums(const struct reduced *r, size_t k, size_t l, int negative)
                (!negative || same_row(linear + (K + k) * n, linear + (K + l) * n, n));
     }
     return same;
+}
+
+int brdffit_reduce_same_channels(const struct reduced *r, size_t k, size_t l)
+{
+    return same_sums(r, k, l, r->functionals > (size_t)r->fixed + r->channels);
 }
 
 /* Place of channel k's twin among those kept, or their number. */

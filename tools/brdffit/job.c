@@ -9,6 +9,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "confidence.h"
 #include "failure.h"
 #include "interrupt.h"
 #include "terms.h"
@@ -79,6 +80,7 @@ void brdffit_cli_fitter_free(struct cli_fitter *fitter)
     brdffit_io_free(fitter->directions);
     free(fitter->workspace);
     free(fitter->verify_workspace);
+    free(fitter->interval_workspace);
     memset(fitter, 0, sizeof *fitter);
 }
 
@@ -235,7 +237,7 @@ static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
 static int fits_sums(const struct cli_fitter *fitter)
 {
     const struct cli_settings *const settings = fitter->settings;
-    return settings->verify == NULL && !brdffit_cli_special(&fitter->options) && !settings->physical &&
+    return settings->verify == NULL && settings->confidence == 0 && !brdffit_cli_special(&fitter->options) && !settings->physical &&
            (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
 }
 
@@ -271,6 +273,9 @@ void brdffit_cli_job_check(struct cli_job *job, struct cli_fitter *fitter)
     }
     if (job->status == BRDFFIT_OK && fitter->settings->verify != NULL) {
         verify(job, fitter);
+    }
+    if (job->status == BRDFFIT_OK && fitter->settings->confidence > 0) {
+        brdffit_cli_confidence_run(job, fitter);
     }
     if (job->status == BRDFFIT_OK && fitter->settings->stats && fitter->options.lobes > 1) {
         fit_one_lobe(job, fitter);

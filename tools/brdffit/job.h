@@ -19,6 +19,8 @@ struct cli_fitter {
     size_t capacity;
     void *verify_workspace; /* of --verify: the result still points into the other one */
     size_t verify_capacity;
+    void *interval_workspace; /* of --confidence */
+    size_t interval_capacity;
     struct cli_progress *progress; /* or NULL */
     const struct cli_shard *shard; /* of --shard, or NULL */
     double reduced_at;      /* clock when the reduction was done; 0: not yet */
@@ -41,6 +43,8 @@ struct cli_job {
     int verified; /* verification is filled in: --verify */
     brdffit_verification verification;
     double verify_seconds;
+    const brdffit_interval_result *intervals; /* in the fitter's interval_workspace; NULL without --confidence */
+    double interval_seconds;
     int one_lobe_fitted;   /* --stats, two lobes: one_lobe_e2 is filled in */
     double one_lobe_e2;    /* of the best fit with one lobe */
     int trial_count; /* --lobes auto: how many are filled in of what follows; 0 without */

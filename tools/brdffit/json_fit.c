@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "confidence.h"
 #include "failure.h"
 #include "lobes.h"
 #include "lobes_auto.h"
@@ -322,6 +323,7 @@ static void result_members(struct cli_json *json, const struct cli_job *job, con
     brdffit_cli_json_count(json, "nodes", result->nodes);
     socp(json, result);
     verification(json, job);
+    brdffit_cli_confidence_json(json, job);
     brdffit_cli_json_count(json, "distinct_c", result->distinct_c);
     brdffit_cli_json_string(json, "stop", brdffit_stop_string(result->stop));
     lobes(json, result);

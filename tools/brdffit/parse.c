@@ -325,6 +325,17 @@ static enum cli_parse check_verify(const struct parser *p)
     return CLI_PARSED;
 }
 
+/* Only for what has intervals. */
+static enum cli_parse check_confidence(const struct parser *p)
+{
+    const struct cli_settings *s = p->settings;
+    if (s->confidence == 0 || (s->norm == BRDFFIT_NORM_L2 && s->engine == BRDFFIT_ENGINE_MOMENT)) {
+        return CLI_PARSED;
+    }
+    fprintf(stderr, "brdffit %s: --confidence is for --norm l2 and --engine moment\n", p->command_name);
+    return usage(p);
+}
+
 /* Digits and no more: 1/4, but not 1.0/4 or +1/4. */
 static int plain_count(const char *text, size_t length, size_t *value)
 {
@@ -405,7 +416,10 @@ static enum cli_parse check_together(const struct parser *p)
         return CLI_PARSE_FAILED;
     }
     const enum cli_parse verify = check_verify(p);
-    return verify == CLI_PARSED ? check_output(p) : verify;
+    if (verify != CLI_PARSED || check_confidence(p) != CLI_PARSED) {
+        return CLI_PARSE_FAILED;
+    }
+    return check_output(p);
 }
 
 /* Options and files, over what the settings hold. */

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "confidence.h"
 #include "lobes.h"
 #include "sample.h"
 #include "terms.h"
@@ -358,6 +359,7 @@ void brdffit_cli_report_fit(struct cli_text *text, struct cli_style style, const
     lobe_table(text, style, result, &fitter->options);
     channel_table(text, style, job, &fitter->options);
     brdffit_cli_terms_report(text, style, job);
+    brdffit_cli_confidence_report(text, style, job, fitter);
     brdffit_cli_text_puts(text, "\n");
     brdffit_cli_certificate(text, style, result, &fitter->options);
     verification(text, style, job);

@@ -87,6 +87,8 @@ const struct cli_option brdffit_cli_options[] = {
     PLAIN("verify", 0, CLI_STRING, CLI_FIT, verify, "socp[=X]",
           "prove again, by engine socp alone, that nothing\nlies below the bound less this fraction of it\n"
           "(default 1e-3)"),
+    {"confidence", 0, CLI_NUMBER, CLI_FIT, 0, AT(confidence), 0, 99.9999999, 1, NULL, "PERCENT",
+     "after the fit, an interval for every parameter:\nproven for the data, of this likelihood (95)"},
     NUMBER("sigma-min", CLI_NUMBER, sigma_min, 1e-12, 0, 1e3, "X", "smallest roughness searched (default 1e-12)"),
     NUMBER("sigma-max", CLI_NUMBER, sigma_max, 1e-12, 0, 1e3, "X", "largest roughness searched (default 6)"),
     NUMBER("exponent-min", CLI_NUMBER, exponent_min, 1e-6, 0, 1e24, "X", "smallest exponent searched (default 0.1)"),

@@ -32,6 +32,7 @@ struct cli_settings {
     int socp_every_box;
     int physical;
     const char *verify;   /* as given: socp or socp=MARGIN; NULL: do not */
+    double confidence;    /* --confidence, in percent; 0: none */
     double verify_margin; /* what --verify leaves of the bound */
     int normalise;
     double sigma_min;

@@ -24,6 +24,9 @@ static void record(struct cli_text *text, const struct cli_settings *s, const br
     brdffit_cli_text_printf(text, "--weight %d\n", s->weight);
     brdffit_cli_text_printf(text, "--verify %s\n--values %d\n--format %d\n--merl-bins %d\n--merl-samples %s\n",
                             s->verify != NULL ? s->verify : "", s->values, s->format, s->merl_bins, s->merl_samples);
+    if (s->confidence > 0) {
+        brdffit_cli_text_printf(text, "--confidence %.17g\n", s->confidence);
+    }
     brdffit_cli_text_puts(text, s->lobes_auto ? "--lobes auto\n" : "");
     if (directions != NULL) {
         record_bytes(text, "light", directions->light, 3 * directions->count);

@@ -18,6 +18,7 @@ from .boxes import Boxes, fit_boxes
 from .compare import Comparison, compare
 from .errors import BrdffitError, DataError, FileError, OptionError, OutOfMemoryError, UnsupportedError
 from .fit import Fit, fit
+from .intervals import Intervals
 from .many import fit_many
 from .maps import FitMap, fit_map
 from .maps.pool import MapProgress
@@ -32,7 +33,8 @@ from .samples import Samples, protocol84
 if TYPE_CHECKING:
     from .regressor import BRDFRegressor
 
-__all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "Comparison", "DataError", "FileError", "Fit", "FitMap", "LibraryError",
+__all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "Comparison", "DataError", "FileError", "Fit", "FitMap", "Intervals",
+           "LibraryError",
            "LightPositions", "MapProgress", "MerlTable", "Options", "OptionError", "OutOfMemoryError", "Progress", "RGLMaterial",
            "Samples", "Stack", "UnsupportedError", "__version__", "compare", "distributions", "fit", "fit_boxes", "fit_many",
            "fit_map", "library_path", "load_lp", "load_merl", "load_rgl", "load_stack", "protocol84"]

@@ -219,6 +219,48 @@ class Verification(ctypes.Structure):
     ]
 
 
+class IntervalOptions(ctypes.Structure):
+    """brdffit_interval_options"""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("level", c_double),
+        ("noise", c_double),
+        ("eta", c_double),
+        ("tolerance", c_double),
+        ("box_budget", c_size_t),
+    ]
+
+
+class Range(ctypes.Structure):
+    """brdffit_range"""
+
+    _fields_ = [("low", c_double), ("high", c_double), ("inner_low", c_double), ("inner_high", c_double), ("flags", c_size_t)]
+
+
+class IntervalResult(ctypes.Structure):
+    """brdffit_interval_result; arrays as bare addresses"""
+
+    _fields_ = [
+        ("threshold", c_double),
+        ("e2", c_double),
+        ("level", c_double),
+        ("noise", c_double),
+        ("degrees", c_double),
+        ("sigma", c_void_p),
+        ("exponent", c_void_p),
+        ("x", c_void_p),
+        ("y", c_void_p),
+        ("f0", c_void_p),
+        ("boxes", c_size_t),
+        ("lobes", c_int),
+        ("diffuse_columns", c_int),
+        ("channels", c_size_t),
+        ("complete", c_int),
+        ("stopped", c_int),
+    ]
+
+
 class Texels(ctypes.Structure):
     """brdffit_texels; arrays as bare addresses"""
 
@@ -324,6 +366,9 @@ C_NAMES = {
     "brdffit_lobe": Lobe,
     "brdffit_result": Result,
     "brdffit_verification": Verification,
+    "brdffit_interval_options": IntervalOptions,
+    "brdffit_range": Range,
+    "brdffit_interval_result": IntervalResult,
     "brdffit_texels": Texels,
     "brdffit_texel_results": TexelResults,
     "brdffit_many_stats": ManyStats,

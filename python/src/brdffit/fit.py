@@ -20,6 +20,8 @@ from ._arguments import choose
 from ._arrays import Floats, Frozen, address, floats, freeze, vectors
 from ._ffi import library
 from .errors import DataError, OptionError, from_struct
+from .intervals import Intervals
+from .intervals import intervals as _intervals
 from .options import Options, _number
 from .progress import Observer, ProgressArgument
 from .samples import Samples
@@ -220,6 +222,22 @@ class Fit(Frozen):
                     name, _lobes.count_word(lobes), channels, "" if channels == 1 else "s", shape,
                     np.shape(getattr(self, name))), code="format")
         _terms.check_fit(self)
+
+    # ---- How sure
+
+    def intervals(self, samples: Samples, level: float = 0.95, noise: float | None = None, eta: float | None = None,
+                  tolerance: float = 0.02, box_budget: int = 20_000) -> Intervals:
+        """Intervals of every parameter, over all models that are nearly as good: proven for the data and a threshold of E^2.
+
+        samples: those of the fit
+        level: of profile-likelihood intervals for independent Gaussian noise
+        noise: its standard deviation, in the units that were minimised (the data's over channel_scale); None: from the residual
+        eta: instead of the two: all models with E^2 <= (1 + eta) e2
+        tolerance: ends are proven to this share of their distance from the fit, within box_budget boxes each
+
+        Norm l2 only.
+        """
+        return _intervals(self, samples, level, noise, eta, tolerance, box_budget)
 
     # ---- Show
 
