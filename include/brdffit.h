@@ -428,7 +428,8 @@ typedef struct brdffit_options {
                                 absolute: of data in units of their own it means nothing. Norm L2 and engine moment only,
                                 no sums, no TORRANCE_SPARROW lobes, which are not normalised: else BRDFFIT_ERR_UNSUPPORTED.
                                 Where the fit without it obeys, that is the result, to the bit; where not, a second search
-                                follows (theory 7.9). Default 0 */
+                                follows (theory 7.9) with a budget of its own; boxes, nodes and calls of `box` are those of
+                                both. Default 0 */
 } brdffit_options;
 
 /* Set struct_size and every default. NULL is fine: nothing happens. */

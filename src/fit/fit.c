@@ -191,14 +191,14 @@ brdffit_status brdffit_fit_finish(struct fit *f, const brdffit_options *options,
 
 /* What the free fit leaves for the one with physical bounds. */
 struct before {
-    double e2;
+    double e2, lower_bound;
     size_t boxes, nodes;
 };
 
 static struct before before_of(const struct fit *f)
 {
     const brdffit_result *r = &f->handout->result;
-    const struct before before = {r->e2, r->boxes, r->nodes};
+    const struct before before = {r->e2, r->lower_bound, r->boxes, r->nodes};
 
     return before;
 }
@@ -223,6 +223,8 @@ static brdffit_status make_physical(struct fit *f, const brdffit_samples *sample
         result->e2_free = before.e2;
         result->boxes += before.boxes;
         result->nodes += before.nodes;
+        result->lower_bound = fmax(result->lower_bound, before.lower_bound);
+        brdffit_fit_judge(options, result);
     }
     return status;
 }

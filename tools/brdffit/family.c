@@ -59,6 +59,7 @@ void brdffit_cli_family(struct cli_text *text, struct cli_style style, const brd
                         const brdffit_options *options)
 {
     const char *before = brdffit_cli_lobes_differ(options) ? "with" : "and";
+    brdffit_cli_text_puts(text, options->physical ? "physical " : "");
     if (!any_lobe(result)) {
         brdffit_cli_text_puts(text, "diffuse fit");
         brdffit_cli_add_terms(text, options);
