@@ -237,8 +237,8 @@ static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
 static int fits_sums(const struct cli_fitter *fitter)
 {
     const struct cli_settings *const settings = fitter->settings;
-    return settings->verify == NULL && settings->confidence == 0 && !brdffit_cli_special(&fitter->options) && !settings->physical &&
-           (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
+    return settings->verify == NULL && settings->confidence == 0 && !brdffit_cli_special(&fitter->options) &&
+           !settings->physical && (settings->weight == CLI_UNSET || settings->weight == BRDFFIT_WEIGHTING_NONE);
 }
 
 static void weigh(struct cli_job *job, const struct cli_settings *settings)

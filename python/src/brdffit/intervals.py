@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from . import _lobes
+from . import _lobes, _terms
 from . import _structs as structs
 from ._arrays import Floats, Frozen, address, floats, freeze
 from ._ffi import library
@@ -74,7 +74,8 @@ def _options(fit: Fit) -> Options:
         raise OptionError("intervals are of norm l2 only, not of %s" % fit.norm, code="unsupported")
     return Options(lobes=tuple(fit.distributions), normalise=fit.normalise, sigma_range=fit.sigma_range,
                    exponent_range=fit.exponent_range or (0.1, 1e7), relative_gap=fit.relative_gap,
-                   absolute_gap=fit.absolute_gap, max_incidence=fit.max_incidence)
+                   absolute_gap=fit.absolute_gap, max_incidence=fit.max_incidence, fresnel=fit.fresnel,
+                   diffuse=fit.diffuse, masking=fit.masking)
 
 
 def _asked(level: float, noise: float | None, eta: float | None, tolerance: float, budget: int) -> structs.IntervalOptions:
@@ -143,6 +144,7 @@ def intervals(fit: Fit, samples: Samples, level: float = 0.95, noise: float | No
     model.distribution, model.lobes, model.distributions = names[0], fit.lobes, ctypes.addressof(names)
     model.channels = len(x)
     model.sigma, model.x, model.y = address(sigma), address(x), address(y)
+    keep = _terms.fill(model, fit)  # noqa: F841 (arrays that the model points to)
     size = ffi.core.brdffit_intervals_workspace_size(c_samples.count, c_samples.channels, byref(c_options))
     workspace = np.empty(size, np.uint8)
     result, error = POINTER(structs.IntervalResult)(), structs.Error()
