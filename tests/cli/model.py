@@ -20,7 +20,7 @@ def unit(theta, phi):
 
 
 EXPONENTS = ("blinn-phong", "ashikhmin-shirley", "lafortune")
-DISTRIBUTIONS = ("beckmann", "ggx", "torrance-sparrow", "ward", *EXPONENTS)
+DISTRIBUTIONS = ("beckmann", "ggx", "torrance-sparrow", "ward", *EXPONENTS, "retro")
 
 
 def directions_to_abc(light, view, normal=(0.0, 0.0, 1.0), distribution="beckmann"):
@@ -43,6 +43,7 @@ def directions_to_abc(light, view, normal=(0.0, 0.0, 1.0), distribution="beckman
             "ward": (nl / (4 * math.pi * np.sqrt(nl * nv)), tan2),
             "blinn-phong": (nl, np.log1p(tan2) / 2),
             "ashikhmin-shirley": (nl / (vh * np.maximum(nl, nv)), np.log1p(tan2) / 2),
+            "retro": (nl, np.sum((light - view) ** 2, 1)),
             "lafortune": (np.where(off < 1, nl, 0), np.where(off < 1, -np.log1p(-off), 0)),
         }[distribution]
         return nl / math.pi, b, c, nl, nv
@@ -52,7 +53,8 @@ def shape(distribution, s, c):
     """lambda(s) exp(-c s), or GGX's: what y b multiplies."""
     if distribution == "ggx":
         return s / (1 + c * s) ** 2
-    factor = {"beckmann": s, "ward": s, "torrance-sparrow": 1, "ashikhmin-shirley": (s + 1) / (8 * math.pi)}
+    factor = {"beckmann": s, "ward": s, "torrance-sparrow": 1, "ashikhmin-shirley": (s + 1) / (8 * math.pi),
+              "retro": s / math.pi}
     return factor.get(distribution, (s + 2) / (2 * math.pi)) * np.exp(-c * s)
 
 
