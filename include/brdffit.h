@@ -967,10 +967,10 @@ BRDFFIT_API void brdffit_interval_options_init_sized(brdffit_interval_options *o
 /* Bits of brdffit_range.flags. */
 #define BRDFFIT_INTERVAL_LOW_END 1u /* reaches the low end of what the model allows: the data set no limit there */
 #define BRDFFIT_INTERVAL_HIGH_END 2u /* the high end likewise; INFINITY where a coefficient has none */
-#define BRDFFIT_INTERVAL_OPEN                                                                                          \
-    4u /* the budget (or memory) ended before an end was proven to the tolerance: still proven, but
-                                    wider than it need be */
+/* The budget (or memory) ended before an end was proven to the tolerance: still proven, but wider than it need be. */
+#define BRDFFIT_INTERVAL_OPEN 4u
 
+/* One parameter's interval, proven, and what was found inside of it. */
 typedef struct brdffit_range {
     double low; /* proven: no model with E^2 <= threshold has the parameter outside of [low, high] */
     double high;
@@ -990,8 +990,7 @@ typedef struct brdffit_interval_result {
     const brdffit_range *exponent; /* P; zero where the parameter is sigma */
     const brdffit_range *x; /* K x F row-major, in the data's units */
     const brdffit_range *y; /* K x P row-major, likewise */
-    const brdffit_range
-        *f0; /* K x P row-major; NULL without Fresnel. [0, 1] with both flags: the data cannot tell it */
+    const brdffit_range *f0; /* K x P row-major; NULL without Fresnel. [0, 1], both flags: the data cannot tell */
     size_t boxes; /* bounded in all */
     int lobes;
     int diffuse_columns;
