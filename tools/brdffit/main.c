@@ -49,9 +49,9 @@ static void usage(FILE *out)
 {
     fputs("Usage: brdffit COMMAND ...\n\n", out);
     for (size_t i = 0; i < COMMAND_COUNT; i++) {
-        fprintf(out, "  %-7s %s\n", commands[i].name, commands[i].summary);
+        fprintf(out, "  %-8s %s\n", commands[i].name, commands[i].summary);
     }
-    fputs("  report  pages that show fits, their proofs and residuals (of the Python package)\n", out);
+    fputs("  report   pages that show fits, their proofs and residuals (of the Python package)\n", out);
     fputs("\n'brdffit COMMAND --help' explains a command; 'brdffit --version' tells the\n"
           "version. Any other NAME runs the program brdffit-NAME from your PATH.\n",
           out);
