@@ -2,8 +2,8 @@
  * Retro-reflection: s = 1 / sigma^2, lambda(s) = s / pi, c = |l - v|^2, b = n.l. Reciprocal; for narrow lobes y (n.v) is the
  * albedo at the viewer, since exp(-s |l - v|^2) has the solid angle pi / s.
  *
- * Chosen by its error beside a half vector of the light and the mirrored viewer: c does not need the normal, so that cloth and
- * beads, whose retro-reflection is not that of the surface, keep their width at every angle.
+ * The other form of theory 7.2's note, a half vector of the light and the mirrored viewer, needs the normal; here c does not, so that
+ * cloth and beads, whose retro-reflection is not that of the surface, keep their width at every angle. Their errors were not compared.
  *
  * Condition. c: |dc| = 2 |l - v| times the error of |l - v|, small where the lobe is, as that of tan alpha in
  * cook_torrance.h. b: as Lambert's. SPDX-License-Identifier: MIT

@@ -51,7 +51,8 @@ def evaluated(folder, line):
     return np.array([[float(row[name + "_fit"]) for name in "rgb"] for row in rows])
 
 
-@pytest.mark.parametrize("distributions", LOBES, ids=",".join)
+# Where a retro lobe is, v.h is nearly 1 and w nothing: these directions, about the mirror, do not tell its F0.
+@pytest.mark.parametrize("distributions", [d for d in LOBES if "retro" not in d], ids=",".join)
 def test_f0_is_found_again(tmp_path, distributions):
     true = truth(distributions)
     light, view = measure(tmp_path, true)
