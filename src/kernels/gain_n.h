@@ -24,9 +24,10 @@
 #define BRDFFIT_GAIN_N_H
 
 #include "kernels/gain.h"
+#include "kernels/kernels.h"
 
 /* Most columns. */
-#define GAIN_COLUMNS 7
+#define GAIN_COLUMNS COLUMNS_MOST
 #define GAIN_SUPPORTS (1u << GAIN_COLUMNS)
 
 struct gram_n {

@@ -49,7 +49,7 @@ struct fifth {
 
 static struct fifth fifth_of(double versine, double error)
 {
-    double square = versine * versine, value = versine < LIMIT_VERSINE ? 0.0 : square * square * versine;
+    double value = schlick_fifth(versine);
     struct fifth f = {value, value * (ENOUGH * 5.0 * error + 6.0 * TOL_UNIT)};
 
     if (fabs(versine - LIMIT_VERSINE) <= 2.0 * error * LIMIT_VERSINE) {

@@ -21,12 +21,18 @@ void brdffit_diffuse_row(brdffit_diffuse diffuse, const struct geometry *geometr
 /* Below this, cos(azimuths) sin(a) tan(b) counts as 0: rounding of directions makes 1e-15 of 0. */
 #define LIMIT_PRODUCT 1e-12
 
+/* (1 - cos)^5. */
+static inline double schlick_fifth(double versine)
+{
+    double square = versine * versine;
+
+    return versine < LIMIT_VERSINE ? 0.0 : square * square * versine;
+}
+
 /* w = (1 - v.h)^5. */
 static inline double schlick_weight(const struct geometry_angles *angles)
 {
-    double t = angles->versine, square = t * t;
-
-    return t < LIMIT_VERSINE ? 0.0 : square * square * t;
+    return schlick_fifth(angles->versine);
 }
 
 /* b of a lobe's second column, in place of that of its first. */

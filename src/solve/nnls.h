@@ -16,7 +16,7 @@
 
 #include "kernels/kernels.h"
 
-#define NNLS_COLUMNS 7
+#define NNLS_COLUMNS COLUMNS_MOST
 /* Up to so many columns every support is factored once, and tried. */
 #define NNLS_CLOSED 4
 /* A column whose entry in the limit a.z <= 1 is above this, unit columns and data, is left out: what it could gain is
@@ -29,6 +29,20 @@ struct nnls_support {
     double basis[NNLS_COLUMNS][NNLS_COLUMNS]; /* [column of the support][row] */
     double upper[NNLS_COLUMNS][NNLS_COLUMNS];
 };
+
+/* U'^-1 v on the support, U its upper triangle; v by column, out by place. */
+static inline void nnls_transposed_solve(const struct nnls_support *s, const double *v, double *out)
+{
+    int i, j;
+
+    for (j = 0; j < s->count; j++) {
+        out[j] = v[s->index[j]];
+        for (i = 0; i < j; i++) {
+            out[j] -= s->upper[i][j] * out[i];
+        }
+        out[j] /= s->upper[j][j];
+    }
+}
 
 /* Columns scaled to unit norm and factored as Q R; pointers belong to the caller. */
 struct nnls {

@@ -18,20 +18,6 @@
 /* A support so close to collinear that its z exceeds the limit by more is left to its parts. */
 #define NNLS_LIMIT_OFF 1e-12
 
-/* U'^-1 a on the support. */
-static void limit_on(const struct nnls_support *s, const double *a, double *w)
-{
-    int i, j;
-
-    for (j = 0; j < s->count; j++) {
-        w[j] = a[s->index[j]];
-        for (i = 0; i < j; i++) {
-            w[j] -= s->upper[i][j] * w[i];
-        }
-        w[j] /= s->upper[j][j];
-    }
-}
-
 static double dot(const double *u, const double *v, int n)
 {
     double sum = 0.0;
@@ -132,7 +118,7 @@ double brdffit_nnls_limit_step(const struct nnls_support *s, const double *t, in
     int pass;
 
     project(s, t, columns, v);
-    limit_on(s, a, w);
+    nnls_transposed_solve(s, a, w);
     square = dot(w, w, s->count);
     over = dot(w, v, s->count) - most;
     *multiplier = over > 0.0 ? 2.0 * (over / square) : 0.0;

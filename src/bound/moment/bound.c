@@ -113,17 +113,6 @@ INSTANCE double coordinate(const struct view *v, int p, int high)
     return v->engine->axis[model->lobe[p].kind].coordinate[high ? side->high_index : side->low_index];
 }
 
-/* Whether a corner mirrors one that has its high ends at later sides. */
-INSTANCE int mirrors(const struct view *v, unsigned corner, const int S)
-{
-    int p, mirror = 0;
-
-    for (p = 1; p < S; p++) {
-        mirror = mirror || (v->alike[p] && (corner >> (p - 1) & 1) && !(corner >> p & 1));
-    }
-    return mirror;
-}
-
 /* The best corner, from true cosines. J is raised by epsilon: the true objective is not below T - J. */
 INSTANCE double meet_corners(const struct view *v, const double *gain, struct point *met, const int S)
 {
@@ -273,18 +262,6 @@ INSTANCE double bound_sides(struct bound_moment *e, struct box *box, struct poin
     /* Split the side whose shift costs most at a corner; the widest one where the chord is useless. */
     box->split = chords && vertex == box->bound ? most_lifted(lift, S) : widest(&v, S);
     return best;
-}
-
-/* What the geometry's rounding costs this box. */
-static struct doubt box_doubt(const struct bound_moment *e, const struct box *box)
-{
-    double low[SIDES_MOST], high[SIDES_MOST];
-    int p;
-
-    for (p = 0; p < e->model->sides; p++) {
-        brdffit_axis_ends(&e->axis[e->model->lobe[p].kind], box->interval[p], &low[p], &high[p]);
-    }
-    return brdffit_charge_box(e->moments.data, e->model, low, high);
 }
 
 static double bound_plain(struct bound_moment *e, struct box *box, struct point *met)

@@ -106,20 +106,6 @@ static void open_spot(struct moments *m, int lobes, const struct point *at, stru
     brdffit_nnls_factor_gram(&s->nnls, 1 + lobes, cosine);
 }
 
-/* U'^-1 v over the support, with M_S = U'U. */
-static void reduce(const struct nnls_support *s, const double *v, double *out)
-{
-    int i, j;
-
-    for (j = 0; j < s->count; j++) {
-        out[j] = v[s->index[j]];
-        for (i = 0; i < j; i++) {
-            out[j] -= s->upper[i][j] * out[i];
-        }
-        out[j] /= s->upper[j][j];
-    }
-}
-
 /* Gradient and own second derivatives of a channel with coefficients z; w[p] = U'^-1 v_p on its support. */
 static void add_slopes(const struct spot *s, int lobes, const struct nnls_support *on, const struct jet *tau,
                        const double *z, double w[SIDES_MOST][NNLS_COLUMNS], struct varpro_value *j)
@@ -138,7 +124,7 @@ static void add_slopes(const struct spot *s, int lobes, const struct nnls_suppor
                 curved -= s->mu[p][q].second * z[1 + q];
             }
         }
-        reduce(on, v, w[p]);
+        nnls_transposed_solve(on, v, w[p]);
         j->gradient[p] += 2.0 * z[1 + p] * v[1 + p];
         if (z[1 + p] > 0.0) {
             j->hessian[p][p] += 2.0 * z[1 + p] * curved;

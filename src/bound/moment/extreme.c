@@ -156,17 +156,6 @@ static double reach_by_shifts(const struct opened *o, const struct extreme *x, d
     return best;
 }
 
-/* Whether a corner mirrors one that has its high ends at later sides. */
-static int mirrored(const struct opened *o, unsigned corner)
-{
-    int p, mirror = 0;
-
-    for (p = 1; p < o->S; p++) {
-        mirror = mirror || (o->view.alike[p] && bit(corner, p - 1) && !bit(corner, p));
-    }
-    return mirror;
-}
-
 double brdffit_moment_extreme(struct bound_moment *e, const struct box *box, const struct extreme *x,
                               double corner[1u << SIDES_MOST])
 {
@@ -176,8 +165,8 @@ double brdffit_moment_extreme(struct bound_moment *e, const struct box *box, con
 
     open_box(&o, e, box);
     for (c = 0; c < 1u << o.S; c++) {
-        corner[c] = mirrored(&o, c) ? -(double)INFINITY
-                                    : reach_at(&o, &o.view.gains, x, c, NULL, -(double)INFINITY, &multiplier);
+        corner[c] = mirrors(&o.view, c, o.S) ? -(double)INFINITY
+                                             : reach_at(&o, &o.view.gains, x, c, NULL, -(double)INFINITY, &multiplier);
     }
     multiplier = 0.0;
     most = reach_at(&o, &o.view.gains, x, 0, o.view.least, -(double)INFINITY, &multiplier);
@@ -197,7 +186,7 @@ void brdffit_moment_corners(struct bound_moment *e, const struct box *box, doubl
 
     open_box(&o, e, box);
     for (c = 0; c < 1u << o.S; c++) {
-        gain[c] = mirrored(&o, c) ? -(double)INFINITY : 0.0;
+        gain[c] = mirrors(&o.view, c, o.S) ? -(double)INFINITY : 0.0;
         cosines_at(&o, &o.view.gains, c, cosine);
         for (k = 0; k < e->moments.data->bounded; k++) {
             projections_at(&o, &o.view.gains, k, c, 0, t);
@@ -212,14 +201,8 @@ double brdffit_moment_least_gain(const struct bound_moment *e, const struct box 
     double root = data->table[0].charge.root, paid = e->payment.doubt, level;
 
     if (!(paid >= 0.0)) {
-        double low[SIDES_MOST], high[SIDES_MOST];
-        struct doubt doubt;
-        int p;
+        struct doubt doubt = box_doubt(e, box);
 
-        for (p = 0; p < e->model->sides; p++) {
-            brdffit_axis_ends(&e->axis[e->model->lobe[p].kind], box->interval[p], &low[p], &high[p]);
-        }
-        doubt = brdffit_charge_box(data, e->model, low, high);
         paid = (doubt.error + doubt.hidden) * root;
     }
     level = sqrt(threshold);

@@ -202,4 +202,27 @@ INSTANCE double monotone(const struct view *v, const int F, const int Q, const i
     return sum;
 }
 
+/* Whether a corner mirrors one that has its high ends at later sides. */
+INSTANCE int mirrors(const struct view *v, unsigned corner, const int S)
+{
+    int p, mirror = 0;
+
+    for (p = 1; p < S; p++) {
+        mirror = mirror || (v->alike[p] && (corner >> (p - 1) & 1) && !(corner >> p & 1));
+    }
+    return mirror;
+}
+
+/* What the geometry's rounding costs this box. */
+static inline struct doubt box_doubt(const struct bound_moment *e, const struct box *box)
+{
+    double low[SIDES_MOST], high[SIDES_MOST];
+    int p;
+
+    for (p = 0; p < e->model->sides; p++) {
+        brdffit_axis_ends(&e->axis[e->model->lobe[p].kind], box->interval[p], &low[p], &high[p]);
+    }
+    return brdffit_charge_box(e->moments.data, e->model, low, high);
+}
+
 #endif
