@@ -111,6 +111,7 @@ brdffit_status brdffit_fit_finish(struct fit *fit, const brdffit_options *option
 
 /* What turns an internal objective into the caller's units. */
 double brdffit_fit_scale(const struct reduced *data, const brdffit_options *options);
+double brdffit_fit_level(double level, double scale);
 
 /*
  * After the reduction: the lobe kind, and the domain of theta = ln s, which is the options' range cut where the

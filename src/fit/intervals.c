@@ -420,7 +420,8 @@ brdffit_status brdffit_intervals_run(const brdffit_samples *samples, const brdff
     find_groups(&c);
     c.work.fit = &c.fit;
     c.work.group = c.out.group;
-    c.work.threshold = c.out.result->threshold / brdffit_fit_scale(&c.fit.data, options) * (1.0 + 4.0 * TOL_UNIT);
+    c.work.threshold = brdffit_fit_level(c.out.result->threshold, brdffit_fit_scale(&c.fit.data, options));
+    c.work.threshold *= 1.0 + 4.0 * TOL_UNIT;
     c.work.tolerance = asked->tolerance;
     c.work.rules.box_budget = asked->box_budget;
     c.work.rules.observe = NULL;
