@@ -71,6 +71,7 @@ class Samples(ctypes.Structure):
         ("c", c_void_p),
         ("values", c_void_p),
         ("weights", c_void_p),
+        ("tangent", c_void_p),
     ]
 
 
@@ -128,6 +129,9 @@ class Options(ctypes.Structure):
         ("diffuse", c_int),
         ("masking", c_int),
         ("physical", c_int),
+        ("anisotropic", c_int),
+        ("anisotropy", c_double),
+        ("tangent_angle", c_double),
     ]
 
 
@@ -148,6 +152,8 @@ class Model(ctypes.Structure):
         ("f0", c_void_p),
         ("x_more", c_void_p),
         ("masking", c_int),
+        ("anisotropy", c_void_p),
+        ("tangent_angle", c_void_p),
     ]
 
 
@@ -165,6 +171,9 @@ class Lobe(ctypes.Structure):
         ("effective_samples", c_double),
         ("warnings", c_uint),
         ("sigma_floor", c_double),
+        ("sigma_x", c_double),
+        ("sigma_y", c_double),
+        ("tangent_angle", c_double),
     ]
 
 
