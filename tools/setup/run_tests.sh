@@ -21,7 +21,8 @@ processors=${BRDFFIT_JOBS:-$(getconf _NPROCESSORS_ONLN 2> /dev/null || echo 1)}
 # A file's tests stay together, for the fixtures that they share. Nothing is written outside the build tree. As many
 # files at a time as there are processors to spare: the other units have the first two.
 run_pytest() { # tree, paths
-    export BRDFFIT_BUILD="$1"
+    BRDFFIT_BUILD=$(cd "$1" && pwd)
+    export BRDFFIT_BUILD
     together=
     [ "$processors" -le 2 ] || together="-n $((processors - 2)) --dist loadfile"
     # Splitting is wanted: $2 may be a pattern.
