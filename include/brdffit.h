@@ -499,7 +499,7 @@ typedef struct brdffit_lobe {
     double sigma_floor; /* what is proven is proven for this lobe's sigma from here to sigma_max, n from exponent_min
                                  to 1 / sigma_floor^2, ends included: see brdffit_result.sigma_floor, the largest. Of an
                                  anisotropic lobe that is said of both its roughnesses; narrower ones, of whose peak no sample
-                                 sees 1e-7, are not searched */
+                                 but in the mirror direction sees 1e-7, are not searched */
     double sigma_x; /* along and across the tangent of an anisotropic lobe: sigma = sqrt(sigma_x sigma_y). */
     double sigma_y; /* Of others sigma. Near the optimum, sigma_low and sigma_high go with their ratio */
     double tangent_angle; /* degrees that sigma_x's direction is turned from the samples' tangent; 0 of others */
