@@ -9,6 +9,7 @@
 #include "failure.h"
 #include "interrupt.h"
 #include "output.h"
+#include "tell.h"
 #include "terms.h"
 
 struct run {
@@ -68,17 +69,16 @@ static int refuse(const char *bad)
 {
     struct cli_text names = {0};
     brdffit_cli_add_term_names(&names);
-    fprintf(
-        stderr,
+    brdffit_cli_tell(
         "brdffit compare: --models does not take '%.*s'; a model is [N]DISTRIBUTION with + between, up to %d lobes, "
         "then /TERM, each model once; terms: %s; distributions and presets:",
         (int)strcspn(bad, ","), bad, BRDFFIT_MAX_LOBES, brdffit_cli_text_string(&names));
     brdffit_cli_text_free(&names);
     for (const struct cli_choice *c = brdffit_cli_distribution_choices(); c->name != NULL; c++) {
-        fprintf(stderr, "%s %s", c->value == 0 ? "" : ",", c->name);
+        brdffit_cli_tell("%s %s", c->value == 0 ? "" : ",", c->name);
     }
     for (const struct cli_preset *p = brdffit_cli_presets; p->model.lobes > 0; p++) {
-        fprintf(stderr, ", %s", p->model.name);
+        brdffit_cli_tell(", %s", p->model.name);
     }
     fputs("\nTry 'brdffit compare --help'.\n", stderr);
     return CLI_EXIT_USAGE;
@@ -188,8 +188,8 @@ static int run_compare(struct run *r)
         return CLI_EXIT_FAILURE;
     }
     if (r->not_begun > 0) {
-        fprintf(stderr, "brdffit: interrupted; %zu file%s not begun\n", r->not_begun,
-                r->not_begun == 1 ? " was" : "s were");
+        brdffit_cli_tell("brdffit: interrupted; %zu file%s not begun\n", r->not_begun,
+                         r->not_begun == 1 ? " was" : "s were");
     }
     return brdffit_cli_output_commit(&r->output) != 0 ? CLI_EXIT_FAILURE : r->exit_code;
 }

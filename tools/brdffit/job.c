@@ -12,6 +12,7 @@
 #include "confidence.h"
 #include "failure.h"
 #include "interrupt.h"
+#include "tell.h"
 #include "terms.h"
 #include "weigh.h"
 
@@ -48,13 +49,13 @@ static int load_directions(struct cli_fitter *fitter, const char *path)
     const brdffit_status status = brdffit_io_read(path, &options, &fitter->directions, &error);
     if (status != BRDFFIT_OK) {
         brdffit_cli_report_error(path, &error, NULL, errno);
-        fprintf(stderr, "brdffit: --merl-samples takes table, 84 or a file like those of fit, with "
-                        "directions\n");
+        brdffit_cli_tell("brdffit: --merl-samples takes table, 84 or a file like those of fit, with "
+                         "directions\n");
         return brdffit_cli_status_exit(status);
     }
     const brdffit_samples *const samples = fitter->directions->samples;
     if (samples->form != BRDFFIT_FORM_DIRECTIONS || samples->normal != NULL || samples->count == 0) {
-        fprintf(stderr, "brdffit: %s: --merl-samples needs directions of light and view, without normals\n", path);
+        brdffit_cli_tell("brdffit: %s: --merl-samples needs directions of light and view, without normals\n", path);
         return CLI_EXIT_DATA;
     }
     fitter->io.directions = samples;

@@ -7,6 +7,7 @@
 
 #include "failure.h"
 #include "slurp.h"
+#include "tell.h"
 
 static const char *string_member(const cJSON *object, const char *name)
 {
@@ -78,7 +79,7 @@ static int bad_json(const char *path, const char *text, const char *at)
     for (; text < at; text++) {
         line += *text == '\n';
     }
-    fprintf(stderr, "brdffit: %s: line %zu: this is not a line of 'brdffit fit --json'\n", path, line);
+    brdffit_cli_tell("brdffit: %s: line %zu: this is not a line of 'brdffit fit --json'\n", path, line);
     return CLI_EXIT_DATA;
 }
 
@@ -127,12 +128,12 @@ static const cJSON *choose(const struct choice *c, const char *path, const char 
         return c->any;
     }
     if (c->count == 0) {
-        fprintf(stderr, "brdffit: %s: there is no fit in it\n", path);
+        brdffit_cli_tell("brdffit: %s: there is no fit in it\n", path);
     } else if (select != 0) {
-        fprintf(stderr, "brdffit: %s: --select %zu, but there are only %zu fits\n", path, select, c->count);
+        brdffit_cli_tell("brdffit: %s: --select %zu, but there are only %zu fits\n", path, select, c->count);
     } else {
-        fprintf(stderr, "brdffit: %s: none of its %zu fits is of %s alone; choose one with --select N\n", path,
-                c->count, file);
+        brdffit_cli_tell("brdffit: %s: none of its %zu fits is of %s alone; choose one with --select N\n", path,
+                         c->count, file);
     }
     return NULL;
 }

@@ -15,6 +15,7 @@
 #include "interrupt.h"
 #include "output.h"
 #include "suggest.h"
+#include "tell.h"
 
 struct command {
     const char *name;
@@ -81,12 +82,12 @@ static int unknown_command(const char *name)
               stderr);
         return CLI_EXIT_USAGE;
     }
-    fprintf(stderr, "brdffit: '%s' is not a command", name);
+    brdffit_cli_tell("brdffit: '%s' is not a command", name);
     if (strchr(name, '/') == NULL) {
-        fprintf(stderr, ", and there is no brdffit-%s on the PATH", name);
+        brdffit_cli_tell(", and there is no brdffit-%s on the PATH", name);
     }
     if (near.word != NULL) {
-        fprintf(stderr, "; did you mean '%s'?", near.word);
+        brdffit_cli_tell("; did you mean '%s'?", near.word);
     }
     fputs("\nTry 'brdffit --help'.\n", stderr);
     return CLI_EXIT_USAGE;
@@ -109,7 +110,7 @@ static int run_external(char **argv)
     (void)execvp(program.data, argv);
     const int error = errno;
     if (error != ENOENT && error != ENOTDIR) {
-        fprintf(stderr, "brdffit: %s: %s\n", program.data, strerror(error));
+        brdffit_cli_tell("brdffit: %s: %s\n", program.data, strerror(error));
         brdffit_cli_text_free(&program);
         return CLI_EXIT_FAILURE;
     }
@@ -149,7 +150,7 @@ static int dispatch(int argc, char **argv)
         return 0;
     }
     if (name[0] == '-') {
-        fprintf(stderr, "brdffit: unknown option '%s'; options follow a command\n", name);
+        brdffit_cli_tell("brdffit: unknown option '%s'; options follow a command\n", name);
         fputs("Try 'brdffit --help'.\n", stderr);
         return CLI_EXIT_USAGE;
     }

@@ -18,6 +18,7 @@
 
 #include "map.h"
 #include "output.h"
+#include "tell.h"
 
 struct reader {
     const char *path;
@@ -33,7 +34,7 @@ struct reader {
 static void on_error(png_structp png, png_const_charp message)
 {
     const struct reader *const r = png_get_error_ptr(png);
-    fprintf(stderr, "brdffit: %s: the PNG cannot be read: %s\n", r->path, message);
+    brdffit_cli_tell("brdffit: %s: the PNG cannot be read: %s\n", r->path, message);
     longjmp(png_jmpbuf(png), 1);
 }
 
@@ -60,7 +61,7 @@ static int begin(struct reader *r, const char *path)
     r->path = path;
     r->file = fopen(path, "rb");
     if (r->file == NULL) {
-        fprintf(stderr, "brdffit: %s: cannot open the file (%s)\n", path, strerror(errno));
+        brdffit_cli_tell("brdffit: %s: cannot open the file (%s)\n", path, strerror(errno));
         return CLI_EXIT_FAILURE;
     }
     r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, r, on_error, on_warning);
@@ -160,11 +161,11 @@ static int unpack_one(const struct cli_map *map, const char *path, const float c
     struct reader r;
     int code = begin(&r, path);
     if (code == 0 && (r.height != map->height || r.width != map->width || r.channels != map->channels)) {
-        fprintf(stderr, "brdffit: %s: the image changed while it was read\n", path);
+        brdffit_cli_tell("brdffit: %s: the image changed while it was read\n", path);
         code = CLI_EXIT_DATA;
     }
     if (code == 0 && r.bits == 16 && map->settings->srgb) {
-        fprintf(stderr, "brdffit: %s: --srgb is for 8-bit images, and this one has 16\n", path);
+        brdffit_cli_tell("brdffit: %s: --srgb is for 8-bit images, and this one has 16\n", path);
         code = CLI_EXIT_DATA;
     }
     if (code == 0) {
@@ -175,6 +176,17 @@ static int unpack_one(const struct cli_map *map, const char *path, const float c
     }
     finish(&r);
     return code;
+}
+
+static int open_unpacked(struct cli_map *map, const char *path)
+{
+    brdffit_error error = {0};
+    errno = 0;
+    const brdffit_status status = brdffit_io_array_open(path, NULL, &map->stack, &error);
+    if (status != BRDFFIT_OK) {
+        brdffit_cli_report_error(path, &error, NULL, errno);
+    }
+    return brdffit_cli_status_exit(status);
 }
 
 int brdffit_cli_png_unpack(struct cli_map *map)
@@ -188,7 +200,7 @@ int brdffit_cli_png_unpack(struct cli_map *map)
     if (path == NULL) {
         return brdffit_cli_no_memory();
     }
-    int code = brdffit_cli_output_open(&output, path) != 0 ? CLI_EXIT_FAILURE : 0;
+    int code = brdffit_cli_output_replace(&output, path) != 0 ? CLI_EXIT_FAILURE : 0;
     if (code == 0) {
         brdffit_cli_text_add(&head, (const char *)header, brdffit_io_npy_header('f', 4, 4, shape, header));
         code = brdffit_cli_output_add(&output, &head) != 0 ? CLI_EXIT_FAILURE : 0;
@@ -203,13 +215,9 @@ int brdffit_cli_png_unpack(struct cli_map *map)
         }
     }
     brdffit_cli_text_free(&head);
-    struct cli_text ignored = map->identity; /* it is no input */
-    memset(&map->identity, 0, sizeof map->identity);
     if (code == 0) {
-        code = brdffit_cli_map_array(map, "unpacked", path, &map->stack);
+        code = open_unpacked(map, path);
     }
-    brdffit_cli_text_free(&map->identity);
-    map->identity = ignored;
     free(path);
     return code;
 }
