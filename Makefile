@@ -209,10 +209,13 @@ $(ECOS_READY):
 	@exit 1
 endif
 
+# It does not check its mallocs: src/solve/conic/ecos_memory.c.
+ECOS_MEMORY := -Dmalloc=brdffit_ecos_malloc -Dcalloc=brdffit_ecos_calloc -Dfree=brdffit_ecos_free
+
 # Not ours: warnings off. No LTO, because the objects are linked into one before the archive is made.
 $(OBJ)/ecos/%.o: $(OBJ)/compile.flags $(ASKING_OBJ)/ecos.flags | $(ECOS_READY)
 	@mkdir -p $(@D)
-	$(call say,CC,$@)$(CC) $(CPPFLAGS) $(ECOS_FLAGS) $(CFLAGS) -std=gnu11 $(filter-out -std=c11,$(REQUIRED)) -fno-lto -w \
+	$(call say,CC,$@)$(CC) $(CPPFLAGS) $(ECOS_FLAGS) $(ECOS_MEMORY) $(CFLAGS) -std=gnu11 $(filter-out -std=c11,$(REQUIRED)) -fno-lto -w \
 	    -c $(ECOS_ROOT)/$*.c -o $@
 endif
 

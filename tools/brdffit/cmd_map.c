@@ -160,8 +160,8 @@ static int run(struct cli_map *map, const struct cli_settings *settings, const c
 int brdffit_cli_map(int argc, char **argv)
 {
     struct cli_settings settings;
-    int code = CLI_EXIT_USAGE;
     const enum cli_parse answer = brdffit_cli_parse(CLI_MAP, "map", argc, argv, &settings);
+    int code = answer == CLI_PARSE_NO_MEMORY ? CLI_EXIT_FAILURE : CLI_EXIT_USAGE;
     if (answer == CLI_PARSED_HELP) {
         brdffit_cli_map_help();
         code = 0;

@@ -82,7 +82,7 @@ static void open_for(const struct cli_comparison *c, const struct cli_model *mod
     brdffit_cli_job_open(job, fitter, path);
     brdffit_cli_use_model(model, &fitter->options);
     if (strcmp(path, "-") == 0 && job->status == BRDFFIT_OK) { /* which is read only once */
-        job->status = brdffit_io_samples(job->table, &job->error);
+        brdffit_cli_job_samples(job);
     }
 }
 

@@ -11,6 +11,7 @@
 
 #include "confidence.h"
 #include "failure.h"
+#include "guard.h"
 #include "interrupt.h"
 #include "tell.h"
 #include "terms.h"
@@ -87,6 +88,35 @@ void brdffit_cli_fitter_free(struct cli_fitter *fitter)
 
 /* ---- Files ------------------------------------------------------------- */
 
+static void fail(struct cli_job *job, brdffit_status status)
+{
+    job->status = status;
+    job->error.status = status;
+    job->error.message = brdffit_status_string(status);
+    job->error.sample = job->error.channel = BRDFFIT_NONE;
+    job->error.line = job->error.column = BRDFFIT_NONE;
+    job->error.value = 0;
+}
+
+/* Of a file that was mapped: what is gone of it was read as zeros. */
+static void end_guard(struct cli_job *job)
+{
+    if (brdffit_cli_guard_end()) {
+        brdffit_io_free(job->table);
+        job->table = NULL;
+        fail(job, BRDFFIT_ERR_READ);
+        job->error.message = "the file became shorter, or failed, while it was read";
+        errno = 0;
+    }
+}
+
+void brdffit_cli_job_samples(struct cli_job *job)
+{
+    brdffit_cli_guard_begin();
+    job->status = brdffit_io_samples(job->table, &job->error);
+    end_guard(job);
+}
+
 /* `options`: of the fit, when the table will be fitted and nothing else, so that sums will do; or NULL. */
 static void read_table(struct cli_job *job, struct cli_fitter *fitter, const char *path, const brdffit_options *options)
 {
@@ -95,8 +125,10 @@ static void read_table(struct cli_job *job, struct cli_fitter *fitter, const cha
     job->path = path;
     const double start = brdffit_cli_clock();
     errno = 0;
+    brdffit_cli_guard_begin();
     job->status = options != NULL ? brdffit_io_read_sums(path, &fitter->io, options, &job->table, &job->error)
                                   : brdffit_io_read(path, &fitter->io, &job->table, &job->error);
+    end_guard(job);
     if (job->status != BRDFFIT_OK) {
         job->system_error = errno;
     }
@@ -106,16 +138,6 @@ static void read_table(struct cli_job *job, struct cli_fitter *fitter, const cha
 void brdffit_cli_job_read(struct cli_job *job, struct cli_fitter *fitter, const char *path)
 {
     read_table(job, fitter, path, NULL);
-}
-
-static void fail(struct cli_job *job, brdffit_status status)
-{
-    job->status = status;
-    job->error.status = status;
-    job->error.message = brdffit_status_string(status);
-    job->error.sample = job->error.channel = BRDFFIT_NONE;
-    job->error.line = job->error.column = BRDFFIT_NONE;
-    job->error.value = 0;
 }
 
 /* 1 when the workspace holds `size` bytes. The old content is of no use, so
@@ -279,7 +301,7 @@ void brdffit_cli_job_fit(struct cli_job *job, struct cli_fitter *fitter)
 {
     fit(job, fitter);
     if (job->table->sums != NULL && !sums_suffice(job)) {
-        job->status = brdffit_io_samples(job->table, &job->error);
+        brdffit_cli_job_samples(job);
         if (job->status == BRDFFIT_OK) {
             fit(job, fitter);
         }

@@ -73,6 +73,9 @@ void brdffit_cli_job_open(struct cli_job *job, struct cli_fitter *fitter, const 
 void brdffit_cli_job_fit(struct cli_job *job, struct cli_fitter *fitter);
 void brdffit_cli_job_check(struct cli_job *job, struct cli_fitter *fitter);
 
+/* Samples in place of sums. Without a table afterwards: the file is gone. */
+void brdffit_cli_job_samples(struct cli_job *job);
+
 /* Read only: table or error. */
 void brdffit_cli_job_read(struct cli_job *job, struct cli_fitter *fitter, const char *path);
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "failure.h"
+#include "json_parse.h"
 #include "slurp.h"
 #include "tell.h"
 
@@ -93,7 +94,11 @@ static int collect(struct choice *c, const struct cli_text *text, const char *pa
             return 0;
         }
         const char *stop = at;
-        cJSON *object = cJSON_ParseWithLengthOpts(at, (size_t)(end - at) + 1, &stop, 0);
+        int no_memory;
+        cJSON *object = brdffit_cli_json_parse(at, (size_t)(end - at) + 1, &stop, &no_memory);
+        if (no_memory) {
+            return brdffit_cli_no_memory();
+        }
         const char *schema = string_member(object, "schema");
         if (schema != NULL && strcmp(schema, "brdffit.comparison/1") == 0) { /* what compare says of the lines before */
             cJSON_Delete(object);

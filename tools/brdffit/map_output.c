@@ -412,6 +412,12 @@ static int to_zip(void *user, const void *data, size_t size)
     return brdffit_io_zip_write(user, data, size) == BRDFFIT_OK ? 0 : -1;
 }
 
+/* What to_file() refused it has told. */
+static int zip_code(brdffit_status status)
+{
+    return status == BRDFFIT_OK ? 0 : status == BRDFFIT_ERR_MEMORY ? brdffit_cli_no_memory() : CLI_EXIT_FAILURE;
+}
+
 static int write_members(struct writer *w, brdffit_io_zip *zip)
 {
     for (size_t i = 0; i < w->count; i++) {
@@ -422,8 +428,8 @@ static int write_members(struct writer *w, brdffit_io_zip *zip)
         char name[64];
         (void)snprintf(name, sizeof name, "%s.npy", f->name);
         int code = stream_npy(w, f, to_checksum, &crc);
-        if (code == 0 && brdffit_io_zip_begin(zip, name, npy_start(w, f, header, &length), crc) != BRDFFIT_OK) {
-            code = CLI_EXIT_FAILURE;
+        if (code == 0) {
+            code = zip_code(brdffit_io_zip_begin(zip, name, npy_start(w, f, header, &length), crc));
         }
         if (code == 0) {
             code = stream_npy(w, f, to_zip, zip);

@@ -22,6 +22,7 @@
 
 struct reader {
     const char *path;
+    int no_memory;
     FILE *file;
     png_structp png;
     png_infop info;
@@ -34,7 +35,11 @@ struct reader {
 static void on_error(png_structp png, png_const_charp message)
 {
     const struct reader *const r = png_get_error_ptr(png);
-    brdffit_cli_tell("brdffit: %s: the PNG cannot be read: %s\n", r->path, message);
+    if (r->no_memory) {
+        (void)brdffit_cli_no_memory();
+    } else {
+        brdffit_cli_tell("brdffit: %s: the PNG cannot be read: %s\n", r->path, message);
+    }
     longjmp(png_jmpbuf(png), 1);
 }
 
@@ -42,6 +47,26 @@ static void on_warning(png_structp png, png_const_charp message)
 {
     (void)png;
     (void)message;
+}
+
+static void *take(png_structp png, png_alloc_size_t size)
+{
+    struct reader *const r = png_get_mem_ptr(png);
+    void *const block = malloc(size);
+    r->no_memory |= block == NULL;
+    return block;
+}
+
+static void release(png_structp png, void *block)
+{
+    (void)png;
+    free(block);
+}
+
+/* After a jump out of libpng. */
+static int broken_off(const struct reader *r)
+{
+    return r->no_memory ? CLI_EXIT_FAILURE : CLI_EXIT_DATA;
 }
 
 static void finish(struct reader *r)
@@ -64,13 +89,13 @@ static int begin(struct reader *r, const char *path)
         brdffit_cli_tell("brdffit: %s: cannot open the file (%s)\n", path, strerror(errno));
         return CLI_EXIT_FAILURE;
     }
-    r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, r, on_error, on_warning);
+    r->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, r, on_error, on_warning, r, take, release);
     r->info = r->png != NULL ? png_create_info_struct(r->png) : NULL;
     if (r->info == NULL) {
         return brdffit_cli_no_memory();
     }
     if (setjmp(png_jmpbuf(r->png))) {
-        return CLI_EXIT_DATA;
+        return broken_off(r);
     }
     png_init_io(r->png, r->file);
     png_read_info(r->png, r->info);
@@ -113,7 +138,7 @@ static int read_pixels(struct reader *r)
         r->rows[y] = r->pixels + y * stride;
     }
     if (setjmp(png_jmpbuf(r->png))) {
-        return CLI_EXIT_DATA;
+        return broken_off(r);
     }
     png_read_image(r->png, (png_bytepp)r->rows);
     png_read_end(r->png, NULL);

@@ -5,12 +5,12 @@
  * files of their own, or one stream of lines as GNU parallel collects them. */
 #include "merge.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "failure.h"
+#include "json_parse.h"
 #include "output.h"
 #include "shard.h"
 #include "slurp.h"
@@ -126,6 +126,9 @@ static int read_line(struct merger *m, const char *line, size_t source, size_t r
     struct entry e = {line, 0, 0, 0, source, row};
     const char *why;
     e.length = brdffit_cli_shard_read(line, &shard, &e.position, &why);
+    if (why == brdffit_cli_shard_memory) {
+        return brdffit_cli_no_memory();
+    }
     if (why != NULL) {
         return refuse(m, source, row, why);
     }
@@ -134,7 +137,12 @@ static int read_line(struct merger *m, const char *line, size_t source, size_t r
     if (code != 0) {
         return code;
     }
-    cJSON *const object = cJSON_Parse(line);
+    const char *end;
+    int no_memory;
+    cJSON *const object = brdffit_cli_json_parse(line, strlen(line) + 1, &end, &no_memory);
+    if (no_memory) {
+        return brdffit_cli_no_memory();
+    }
     code = exit_of(m, object);
     cJSON_Delete(object);
     if (code < 0) {

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 
 #include "criteria.h"
+#include "failure.h"
 #include "lobes.h"
 #include "models.h"
 #include "settings.h"
@@ -464,8 +465,8 @@ enum cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int
     set_defaults(settings);
     settings->files = calloc((size_t)argc + 1, sizeof *settings->files);
     if (settings->files == NULL) {
-        brdffit_cli_tell("brdffit: out of memory\n");
-        return CLI_PARSE_FAILED;
+        (void)brdffit_cli_no_memory();
+        return CLI_PARSE_NO_MEMORY;
     }
     enum cli_parse answer = parse_arguments(&p, argc, argv);
     if (answer == CLI_PARSED && settings->model != NULL) {

@@ -117,7 +117,7 @@ struct cli_option {
 
 extern const struct cli_option brdffit_cli_options[];
 
-enum cli_parse { CLI_PARSED, CLI_PARSED_HELP, CLI_PARSE_FAILED };
+enum cli_parse { CLI_PARSED, CLI_PARSED_HELP, CLI_PARSE_FAILED, CLI_PARSE_NO_MEMORY };
 
 /* Read argv[1..] of `command`. On failure the reason is on stderr. Release
  * with brdffit_cli_settings_free() whatever the answer. */
