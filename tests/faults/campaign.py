@@ -39,13 +39,13 @@ def play(stage, faults, codes):
         killed = run.code in (128 + 9, -9)
         wrong = stage.torn(run) if killed else stage.problem(run, codes)
         done = wrong is None and not killed and run.output == stage.good.output and run.code == stage.good.code
-        if wrong is None and not (done and stage.scene.command[0] == "merge"):  # the parts of maps are gone then
-            wrong = stage.again() if not (killed and finished(stage)) else None
+        if wrong is None and not done:
+            wrong = stage.again() if not finished(stage) else None
         yield None if wrong is None else "%s %s: %s" % (stage.scene.name, words, wrong)
 
 
 def finished(stage):
-    """Whether a run that was killed had come to its end: a merge of maps has nothing more to merge then."""
+    """Whether a run had come to its end before it failed or died: a merge of maps has nothing more to merge then."""
     return stage.scene.prepare is not None and scenes.content(stage.folder / stage.scene.output) == stage.good.output
 
 
@@ -98,8 +98,9 @@ def kills(stage, most):
 
 
 def inputs(stage):
-    return [word for word in stage.scene.command if (stage.origin / word).is_file()] + (
-        ["images/3.png"] if "images" in stage.scene.command else [])
+    more = ["images/3.png", "merged.npz.brdffit-work/tile-1", "merged.npz.brdffit-work/manifest"]
+    return [word for word in (*stage.scene.command, *more) if (stage.origin / word).is_file()
+            and (word not in more or stage.scene.prepare or "images" in stage.scene.command)]
 
 
 def truncations(stage, most):

@@ -227,7 +227,10 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
     options.progress = NULL;
     const size_t size = sums != NULL ? brdffit_sums_workspace_size(sums, &options)
                                      : brdffit_workspace_size(samples->count, samples->channels, &options);
-    if (size == 0 || !grow(&fitter->verify_workspace, &fitter->verify_capacity, size)) {
+    if (size > 0 && !grow(&fitter->verify_workspace, &fitter->verify_capacity, size)) {
+        fail(job, BRDFFIT_ERR_MEMORY);
+    }
+    if (size == 0 || job->status != BRDFFIT_OK) {
         return;
     }
     const brdffit_status status = sums != NULL ? brdffit_fit_sums(sums, &options, fitter->verify_workspace,
@@ -238,7 +241,7 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
     job->one_lobe_e2 = job->one_lobe_fitted ? result->e2 : 0;
 }
 
-/* Where there is an F0, which no physical bound has a part in. A failure only leaves the statement out. */
+/* Where there is an F0, which no physical bound has a part in. Data that do not tell it only leave the statement out. */
 static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
 {
     const brdffit_model *const model = job->result->model;
@@ -249,9 +252,13 @@ static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
         return;
     }
     job->f0_low = calloc(count, 2 * sizeof *job->f0_low);
-    job->f0_high = job->f0_low != NULL ? job->f0_low + count : NULL;
-    if (job->f0_low != NULL && brdffit_f0_interval(job->table->samples, &fitter->options, model, job->f0_low,
-                                                   job->f0_high, NULL) != BRDFFIT_OK) {
+    if (job->f0_low == NULL) {
+        fail(job, BRDFFIT_ERR_MEMORY);
+        return;
+    }
+    job->f0_high = job->f0_low + count;
+    if (brdffit_f0_interval(job->table->samples, &fitter->options, model, job->f0_low, job->f0_high, NULL) !=
+        BRDFFIT_OK) {
         free(job->f0_low);
         job->f0_low = job->f0_high = NULL;
     }

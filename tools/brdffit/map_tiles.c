@@ -26,17 +26,20 @@ struct tile_header {
 
 static const char tile_magic[8] = "BRDFTIL2";
 
+/* As long as a path that open() takes can be. */
+#define PATH_MOST 4096
+
 static int cannot_write(const char *path)
 {
     brdffit_cli_tell("brdffit: %s: cannot write (%s)\n", path, strerror(errno));
     return CLI_EXIT_FAILURE;
 }
 
-static char *tile_path(const struct cli_map *map, size_t tile)
+/* 1 when it fits. Looking for a tile takes no memory: that there is none would pass for a tile that is not there. */
+static int tile_path(const struct cli_map *map, size_t tile, char path[PATH_MOST])
 {
-    char name[64];
-    (void)snprintf(name, sizeof name, "tile-%zu", tile);
-    return brdffit_cli_map_path(map, name);
+    const int length = snprintf(path, PATH_MOST, "%s/tile-%zu", map->work, tile);
+    return length > 0 && length < PATH_MOST;
 }
 
 static void describe_tile(const struct cli_map *map, size_t tile, struct tile_header *header)
@@ -53,15 +56,6 @@ static int put(FILE *file, const void *data, size_t size, unsigned long *crc)
 {
     *crc = brdffit_io_crc32(*crc, data, size);
     return fwrite(data, 1, size, file) == size ? 0 : -1;
-}
-
-static int get(FILE *file, void *data, size_t size, unsigned long *crc)
-{
-    if (fread(data, 1, size, file) != size) {
-        return -1;
-    }
-    *crc = brdffit_io_crc32(*crc, data, size);
-    return 0;
 }
 
 static int put_tile(FILE *file, const struct tile_header *header, const double *values, const unsigned char *status)
@@ -101,30 +95,42 @@ int brdffit_cli_map_keep_tile(const struct cli_map *map, size_t tile, uint64_t d
                               const struct cli_map_counts *counts, const double *values, const unsigned char *status)
 {
     struct tile_header header;
-    char *const path = tile_path(map, tile);
+    char path[PATH_MOST];
     describe_tile(map, tile, &header);
     header.data = data;
     header.counts = *counts;
-    const int code = path == NULL ? brdffit_cli_no_memory() : write_tile(path, &header, values, status);
-    free(path);
-    return code;
+    if (!tile_path(map, tile, path)) {
+        errno = ENAMETOOLONG;
+        return cannot_write(map->work);
+    }
+    return write_tile(path, &header, values, status);
 }
 
-static FILE *open_tile(const struct cli_map *map, size_t tile)
+/* ---- Reading ----------------------------------------------------------- */
+
+static int open_tile(const struct cli_map *map, size_t tile)
 {
-    char *const path = tile_path(map, tile);
-    const int descriptor = path != NULL ? open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC) : -1;
-    FILE *const file = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
-    if (descriptor >= 0 && file == NULL) {
-        (void)close(descriptor);
+    char path[PATH_MOST];
+    return tile_path(map, tile, path) ? open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC) : -1;
+}
+
+static int get(int file, void *data, size_t size, unsigned long *crc)
+{
+    unsigned char *at = data;
+    for (size_t left = size; left > 0;) {
+        const ssize_t got = read(file, at, left < 1u << 30 ? left : 1u << 30);
+        if (got <= 0 && !(got < 0 && errno == EINTR)) {
+            return -1;
+        }
+        at += got > 0 ? got : 0;
+        left -= got > 0 ? (size_t)got : 0;
     }
-    free(path);
-    return file;
+    *crc = brdffit_io_crc32(*crc, data, size);
+    return 0;
 }
 
 /* 1 when the header is that of this tile, of this run. */
-static int get_header(const struct cli_map *map, size_t tile, FILE *file, struct tile_header *header,
-                      unsigned long *crc)
+static int get_header(const struct cli_map *map, size_t tile, int file, struct tile_header *header, unsigned long *crc)
 {
     struct tile_header wanted;
     describe_tile(map, tile, &wanted);
@@ -132,53 +138,57 @@ static int get_header(const struct cli_map *map, size_t tile, FILE *file, struct
            memcmp(header, &wanted, offsetof(struct tile_header, data)) == 0;
 }
 
+/* What follows the content: its checksum, and nothing. */
+static int ends_well(int file, unsigned long crc)
+{
+    unsigned long ignored = 0;
+    uint64_t sum = 0;
+    char more;
+    return get(file, &sum, sizeof sum, &ignored) == 0 && sum == crc && read(file, &more, 1) == 0;
+}
+
 int brdffit_cli_map_load_tile(const struct cli_map *map, size_t tile, struct cli_map_counts *counts, double *values,
                               unsigned char *status)
 {
     struct tile_header header;
     unsigned long crc = 0;
-    uint64_t sum = 0;
-    FILE *const file = open_tile(map, tile);
-    if (file == NULL) {
+    const int file = open_tile(map, tile);
+    if (file < 0) {
         return -1;
     }
-    const int failed = !get_header(map, tile, file, &header, &crc) ||
-                       get(file, values, header.texels * header.depth * sizeof *values, &crc) ||
-                       get(file, status, header.texels, &crc) || fread(&sum, sizeof sum, 1, file) != 1 || sum != crc ||
-                       fgetc(file) != EOF;
-    (void)fclose(file);
-    if (!failed && counts != NULL) {
+    const int good = get_header(map, tile, file, &header, &crc) &&
+                     get(file, values, header.texels * header.depth * sizeof *values, &crc) == 0 &&
+                     get(file, status, header.texels, &crc) == 0 && ends_well(file, crc);
+    (void)close(file);
+    if (good && counts != NULL) {
         *counts = header.counts;
     }
-    return failed ? -1 : 0;
-}
-
-int brdffit_cli_map_has_tile(const struct cli_map *map, size_t tile)
-{
-    const size_t texels = brdffit_cli_map_rows(map, tile) * map->width;
-    FILE *const file = open_tile(map, tile);
-    if (file == NULL) {
-        return 0;
-    }
-    (void)fclose(file);
-    double *const values = malloc(texels * brdffit_cli_map_depth(map) * sizeof *values);
-    unsigned char *const status = malloc(texels);
-    const int good = values != NULL && status != NULL &&
-                     brdffit_cli_map_load_tile(map, tile, NULL, values, status) == 0;
-    free(values);
-    free(status);
-    return good;
+    return good ? 0 : -1;
 }
 
 int brdffit_cli_map_tile_data(const struct cli_map *map, size_t tile, uint64_t *data)
 {
     struct tile_header header;
     unsigned long crc = 0;
-    FILE *const file = brdffit_cli_map_has_tile(map, tile) ? open_tile(map, tile) : NULL;
-    const int there = file != NULL && get_header(map, tile, file, &header, &crc);
-    if (file != NULL) {
-        (void)fclose(file);
+    unsigned char block[16384];
+    const int file = open_tile(map, tile);
+    if (file < 0) {
+        return 0;
     }
-    *data = there ? header.data : 0;
-    return there;
+    int good = get_header(map, tile, file, &header, &crc);
+    for (uint64_t left = good ? header.texels * (header.depth * sizeof(double) + 1) : 0; good && left > 0;) {
+        const size_t size = left < sizeof block ? (size_t)left : sizeof block;
+        good = get(file, block, size, &crc) == 0;
+        left -= size;
+    }
+    good = good && ends_well(file, crc);
+    (void)close(file);
+    *data = good ? header.data : 0;
+    return good;
+}
+
+int brdffit_cli_map_has_tile(const struct cli_map *map, size_t tile)
+{
+    uint64_t data;
+    return brdffit_cli_map_tile_data(map, tile, &data);
 }

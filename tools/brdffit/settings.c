@@ -130,6 +130,8 @@ const struct cli_option brdffit_cli_options[] = {
           "(default table)"),
     CHOICE("format", READERS, 0, format, brdffit_cli_format_choices, "auto|csv|merl",
            "format of FILE (default auto: by content)"),
+    {"max-bytes", 0, CLI_COUNT, READERS, 0, AT(max_bytes), 1, 9e15, 0, NULL, "N",
+     "most bytes of FILE, and of what a gzip file\nunpacks to (default 8 and 1 GiB)"},
     PLAIN("select", 0, CLI_COUNT, CLI_EVAL, select, "N",
           "use line N of FIT.json, from 1 (default: the\nline whose \"file\" is FILE)"),
     PLAIN("json", 0, CLI_FLAG, CLI_FIT | CLI_INFO, json, NULL, "one JSON object a line and file"),
@@ -213,6 +215,7 @@ void brdffit_cli_io_options(const struct cli_settings *settings, brdffit_io_opti
     if (options->quantity_set) {
         options->quantity = (brdffit_quantity)settings->values;
     }
+    options->max_bytes = settings->max_bytes;
     options->merl_bins = (brdffit_io_merl_bins)settings->merl_bins;
     if (strcmp(settings->merl_samples, "84") == 0) {
         options->merl_sampling = BRDFFIT_IO_MERL_PROTOCOL84;

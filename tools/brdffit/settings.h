@@ -55,6 +55,7 @@ struct cli_settings {
     int json;
     int quiet;
     const char *output; /* NULL: standard output */
+    size_t max_bytes;   /* of a file, and of what a gzip stream unpacks to; 0: the library's limits */
     size_t select;      /* line of the fits, from 1; 0: by the file's name */
     const char *shard;  /* as given: I/N; NULL: all */
     size_t shard_index, shard_count; /* I - 1, N */
