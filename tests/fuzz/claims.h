@@ -16,7 +16,8 @@
 
 static inline void claim_broken(const char *what, int line)
 {
-    fprintf(stderr, "claims.h:%d: broken: %s\n", line, what);
+    printf("broken, line %d: %s\n", line, what); /* standard error has the parsers' messages, and may be closed */
+    fflush(stdout);
     abort();
 }
 

@@ -146,13 +146,22 @@ static const cJSON *choose(const struct choice *c, const char *path, const char 
 int brdffit_cli_fit_read(struct cli_fit *fit, const char *path, const char *file, size_t select)
 {
     struct cli_text text = {0};
+    memset(fit, 0, sizeof *fit);
+    int code = brdffit_cli_slurp(&text, path);
+    if (code == 0) {
+        code = brdffit_cli_fit_find(fit, &text, path, file, select);
+    }
+    brdffit_cli_text_free(&text);
+    return code;
+}
+
+int brdffit_cli_fit_find(struct cli_fit *fit, const struct cli_text *text, const char *path, const char *file,
+                         size_t select)
+{
     struct choice c;
     memset(fit, 0, sizeof *fit);
     memset(&c, 0, sizeof c);
-    int code = brdffit_cli_slurp(&text, path);
-    if (code == 0) {
-        code = collect(&c, &text, path, file, select);
-    }
+    int code = collect(&c, text, path, file, select);
     if (code == 0) {
         const cJSON *object = choose(&c, path, file, select, &fit->line);
         code = object == NULL ? CLI_EXIT_DATA : brdffit_cli_fit_parse(fit, object, path);
@@ -160,6 +169,5 @@ int brdffit_cli_fit_read(struct cli_fit *fit, const char *path, const char *file
     cJSON_Delete(c.exact);
     cJSON_Delete(c.base);
     cJSON_Delete(c.any);
-    brdffit_cli_text_free(&text);
     return code;
 }

@@ -90,7 +90,7 @@ static int parse_options(struct cli_settings *s, const char *options)
 }
 
 /* 1 when all is found. The name of the stack ends the manifest, whatever characters it has. */
-static int parse(struct cli_map *map, struct cli_settings *settings, char *manifest, size_t size)
+int brdffit_cli_parse_manifest(struct cli_map *map, struct cli_settings *settings, char *manifest, size_t size)
 {
     const char *const shape = after(manifest, "maps of"), *const options = after(manifest, "--lobes");
     const char *const tile = options != NULL ? after(options, "--tile") : NULL;
@@ -137,7 +137,7 @@ static int read_manifest(struct cli_map *map, struct cli_settings *settings, str
         code = check_version(brdffit_cli_text_string(text), map->work);
     }
     map->key = brdffit_cli_map_key(brdffit_cli_text_string(text));
-    if (code == 0 && !parse(map, settings, text->data, text->size)) {
+    if (code == 0 && !brdffit_cli_parse_manifest(map, settings, text->data, text->size)) {
         brdffit_cli_tell("brdffit merge: %s: its manifest is damaged\n", map->work);
         code = CLI_EXIT_DATA;
     }

@@ -3,11 +3,10 @@
  *
  * ECOS, AMD and LDL call malloc where no argument can say for whom, and go on with what it returns. So a call of theirs
  * belongs to its thread; each block hangs in a list; and where there is no memory, the call is left by longjmp. Nothing
- * of ours stands between (ECOS calls nobody back), and all that it held is in the list.
+ * of ours stands between (ECOS calls nobody back), and all that it held is in the list. A build without ECOS leaves this
+ * file out.
  */
 #include "solve/conic/ecos_memory.h"
-
-#ifndef BRDFFIT_NO_ECOS
 
 #include <setjmp.h>
 #include <stdint.h>
@@ -115,5 +114,3 @@ void brdffit_ecos_free(void *data)
     }
     free(block);
 }
-
-#endif
