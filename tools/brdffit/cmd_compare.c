@@ -29,9 +29,9 @@ struct run {
 static void add_defaults(struct cli_text *text)
 {
     brdffit_cli_text_puts(text, "Models are joined with commas: [N]DISTRIBUTION, with + between distributions,\n"
-                                "then /TERM as of --masking, --fresnel and --diffuse of 'brdffit fit' (no-diffuse\n"
-                                "for none): 2beckmann, beckmann+ggx, ggx/smith/schlick. Or a preset of its\n"
-                                "--model. Default:\n ");
+                                "then /TERM as of --masking, --fresnel and --diffuse of 'brdffit fit'\n"
+                                "(no-diffuse for none): 2beckmann, beckmann+ggx, ggx/smith/schlick. Or a preset\n"
+                                "of its --model. Default:\n ");
     size_t column = 1;
     for (const struct cli_model *m = brdffit_cli_default_models; m->lobes > 0; m++) {
         const size_t length = strlen(m->name) + (m[1].lobes > 0);
@@ -49,17 +49,17 @@ void brdffit_cli_compare_help(void)
     struct cli_text text = {0};
     brdffit_cli_text_puts(&text, "Usage: brdffit compare FILE... [options]\n"
                                  "\n"
-                                 "Fit many forms of model to each FILE, with proof, and say which of them its data\n"
-                                 "support, which they cannot tell apart, and which cannot be as good whatever\n"
-                                 "their parameters are.\n"
+                                 "Fit many forms of model to each FILE, with proof, and say which of them its\n"
+                                 "data support, which they cannot tell apart, and which cannot be as good\n"
+                                 "whatever their parameters are.\n"
                                  "\n");
     brdffit_cli_option_help(&text, CLI_COMPARE);
     brdffit_cli_text_puts(&text, "\n");
     add_defaults(&text);
     brdffit_cli_text_puts(&text, "\n"
-                                 "A model that cannot be fitted is a line and stops nothing. Exit status as that of\n"
-                                 "'brdffit fit', of every fit of every FILE: 0 all are certified, and the first of\n"
-                                 "1, 2, 3, 4 that occurred otherwise.\n");
+                                 "A model that cannot be fitted is a line and stops nothing. Exit status as that\n"
+                                 "of 'brdffit fit', of every fit of every FILE: 0 all are certified, and the\n"
+                                 "first of 1, 2, 3, 4 that occurred otherwise.\n");
     fputs(brdffit_cli_text_string(&text), stdout);
     brdffit_cli_text_free(&text);
 }

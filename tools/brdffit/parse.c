@@ -45,9 +45,20 @@ int brdffit_cli_number(const char *text, double *value)
 
 /* ---- Names ------------------------------------------------------------- */
 
-static enum cli_parse unknown_option(const struct parser *p, const char *shown, const char *name)
+static const struct cli_option *find_long(const struct parser *p, const char *name, size_t length)
 {
     for (const struct cli_option *o = brdffit_cli_options; o->name != NULL; o++) {
+        if ((o->commands & p->command) && strlen(o->name) == length && strncmp(o->name, name, length) == 0) {
+            return o;
+        }
+    }
+    return NULL;
+}
+
+static enum cli_parse unknown_option(const struct parser *p, const char *shown, const char *name)
+{
+    for (const struct cli_option *o = brdffit_cli_options; o->name != NULL && find_long(p, name, strlen(name)) == NULL;
+         o++) {
         if (!o->hidden && strcmp(o->name, name) == 0) {
             brdffit_cli_tell("brdffit %s: --%s does not apply to '%s'\n", p->command_name, name, p->command_name);
             return usage(p);
@@ -67,16 +78,6 @@ static enum cli_parse unknown_option(const struct parser *p, const char *shown, 
     return usage(p);
 }
 
-static const struct cli_option *find_long(const struct parser *p, const char *name, size_t length)
-{
-    for (const struct cli_option *o = brdffit_cli_options; o->name != NULL; o++) {
-        if ((o->commands & p->command) && strlen(o->name) == length && strncmp(o->name, name, length) == 0) {
-            return o;
-        }
-    }
-    return NULL;
-}
-
 static const struct cli_option *find_short(const struct parser *p, char letter)
 {
     for (const struct cli_option *o = brdffit_cli_options; o->name != NULL; o++) {
@@ -89,7 +90,7 @@ static const struct cli_option *find_short(const struct parser *p, char letter)
 
 /* ---- Values ------------------------------------------------------------ */
 
-static const struct cli_choice *choices_of(const struct cli_option *o)
+const struct cli_choice *brdffit_cli_choices_of(const struct cli_option *o)
 {
     return o->kind == CLI_DISTRIBUTION                        ? brdffit_cli_distribution_choices()
            : o->kind >= CLI_FRESNEL && o->kind <= CLI_MASKING ? brdffit_cli_term_choices(o->kind)
@@ -101,7 +102,7 @@ static enum cli_parse bad_choice(const struct parser *p, const struct cli_option
     brdffit_cli_tell("brdffit %s: --%s does not take '%s'; valid values:", p->command_name, o->name, text);
     struct cli_suggestion near = {0};
     const char *separator = " ";
-    for (const struct cli_choice *c = choices_of(o); c->name != NULL; c++) {
+    for (const struct cli_choice *c = brdffit_cli_choices_of(o); c->name != NULL; c++) {
         brdffit_cli_suggest(&near, text, c->name);
         if (c->hidden) {
             continue;
@@ -154,7 +155,7 @@ static enum cli_parse set_value(const struct parser *p, const struct cli_option 
     case CLI_FRESNEL:
     case CLI_DIFFUSE:
     case CLI_MASKING:
-        for (const struct cli_choice *c = choices_of(o); c->name != NULL; c++) {
+        for (const struct cli_choice *c = brdffit_cli_choices_of(o); c->name != NULL; c++) {
             if (strcmp(c->name, text) == 0) {
                 *(int *)(void *)member = c->value;
                 return CLI_PARSED;
@@ -197,8 +198,12 @@ static enum cli_parse parse_option(const struct parser *p, int argc, char **argv
         }
     } else {
         option = find_short(p, given[1]);
-        if (option == NULL) {
-            return unknown_option(p, given, given + 1);
+        /* -output is not -o utput, but a slip. */
+        if (option == NULL || (given[2] != '\0' && find_long(p, given + 1, strcspn(given + 1, "=")) != NULL)) {
+            char name[64] = "";
+            const size_t length = strcspn(given + 1, "=");
+            memcpy(name, given + 1, length < sizeof name ? length : sizeof name - 1);
+            return unknown_option(p, given, name);
         }
         if (given[2] != '\0') {
             value = given + 2 + (given[2] == '=');

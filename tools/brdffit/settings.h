@@ -154,6 +154,9 @@ const struct cli_choice *brdffit_cli_distribution_choices(void);
 const struct cli_choice *
 brdffit_cli_term_choices(enum cli_option_kind kind); /* CLI_FRESNEL, CLI_DIFFUSE, CLI_MASKING */
 
+/* What an option with a list of values takes; NULL: it has none. */
+const struct cli_choice *brdffit_cli_choices_of(const struct cli_option *option);
+
 /* The options of `command`, as its help shows them. */
 void brdffit_cli_option_help(struct cli_text *text, unsigned command);
 
