@@ -164,7 +164,7 @@ static struct {
 static inline void standalone_save(const char *prefix, const unsigned char *data, size_t size)
 {
     uint64_t hash = 14695981039346656037u;
-    char path[1024];
+    char path[2048];
     FILE *file;
     size_t i;
 

@@ -88,7 +88,7 @@ void brdffit_cli_fitter_free(struct cli_fitter *fitter)
 
 /* ---- Files ------------------------------------------------------------- */
 
-static void fail(struct cli_job *job, brdffit_status status)
+void brdffit_cli_job_fail(struct cli_job *job, brdffit_status status)
 {
     job->status = status;
     job->error.status = status;
@@ -104,7 +104,7 @@ static void end_guard(struct cli_job *job)
     if (brdffit_cli_guard_end()) {
         brdffit_io_free(job->table);
         job->table = NULL;
-        fail(job, BRDFFIT_ERR_READ);
+        brdffit_cli_job_fail(job, BRDFFIT_ERR_READ);
         job->error.message = "the file became shorter, or failed, while it was read";
         errno = 0;
     }
@@ -164,7 +164,7 @@ static void fit(struct cli_job *job, struct cli_fitter *fitter)
     const size_t size = sums != NULL ? brdffit_sums_workspace_size(sums, &fitter->options)
                                      : brdffit_workspace_size(samples->count, samples->channels, &fitter->options);
     if (!grow(&fitter->workspace, &fitter->capacity, size > 0 ? size : 1)) {
-        fail(job, BRDFFIT_ERR_MEMORY);
+        brdffit_cli_job_fail(job, BRDFFIT_ERR_MEMORY);
         return;
     }
     fitter->reduced_at = 0;
@@ -201,7 +201,7 @@ static void verify(struct cli_job *job, struct cli_fitter *fitter)
     }
     const size_t size = brdffit_workspace_size(samples->count, samples->channels, &options);
     if (!grow(&fitter->verify_workspace, &fitter->verify_capacity, size > 0 ? size : 1)) {
-        fail(job, BRDFFIT_ERR_MEMORY);
+        brdffit_cli_job_fail(job, BRDFFIT_ERR_MEMORY);
         return;
     }
     const brdffit_verification *made;
@@ -228,7 +228,7 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
     const size_t size = sums != NULL ? brdffit_sums_workspace_size(sums, &options)
                                      : brdffit_workspace_size(samples->count, samples->channels, &options);
     if (size > 0 && !grow(&fitter->verify_workspace, &fitter->verify_capacity, size)) {
-        fail(job, BRDFFIT_ERR_MEMORY);
+        brdffit_cli_job_fail(job, BRDFFIT_ERR_MEMORY);
     }
     if (size == 0 || job->status != BRDFFIT_OK) {
         return;
@@ -253,7 +253,7 @@ static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
     }
     job->f0_low = calloc(count, 2 * sizeof *job->f0_low);
     if (job->f0_low == NULL) {
-        fail(job, BRDFFIT_ERR_MEMORY);
+        brdffit_cli_job_fail(job, BRDFFIT_ERR_MEMORY);
         return;
     }
     job->f0_high = job->f0_low + count;

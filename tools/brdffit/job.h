@@ -79,6 +79,9 @@ void brdffit_cli_job_samples(struct cli_job *job);
 /* Read only: table or error. */
 void brdffit_cli_job_read(struct cli_job *job, struct cli_fitter *fitter, const char *path);
 
+/* The job fails, in the words of the status. */
+void brdffit_cli_job_fail(struct cli_job *job, brdffit_status status);
+
 /* The exit code that this file alone would give. */
 int brdffit_cli_job_exit(const struct cli_job *job);
 
