@@ -16,8 +16,8 @@ import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
-import scenes  # noqa: E402
-from scenes import SCENES, Stage, harness  # noqa: E402
+import scenes
+from scenes import SCENES, Stage, harness
 
 PROGRAMS = harness.BUILD / "tests" / "faults"
 INJECT, FAIL_ALLOC = PROGRAMS / "inject", PROGRAMS / "fail_alloc.so"

@@ -144,7 +144,7 @@ class Stage:
             return "exit status %d: %s" % (run.code, run.stderr)
         if not run.stderr.strip():
             return "exit status %d, and not a word" % run.code
-        if left_behind(self.folder) and not self.scene.command[0] == "map":  # whose next run sweeps
+        if left_behind(self.folder) and self.scene.command[0] != "map":  # whose next run sweeps
             return "left %s" % left_behind(self.folder)
         return self.torn(run)
 

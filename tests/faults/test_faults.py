@@ -7,8 +7,8 @@ import pytest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
-import campaign  # noqa: E402
-import scenes  # noqa: E402
+import campaign
+import scenes
 
 # Of each kind the scenes that have most to lose; `make faults` plays them all.
 PLAYED = [("allocations", "fit-socp", 5), ("allocations", "eval", 6), ("allocations", "merge", 5), ("allocations", "map-png", 6),

@@ -3,9 +3,9 @@
  *
  *     fuzz_NAME FILE...         run the target on files (a fuzzer's findings)
  *     fuzz_NAME -n COUNT [SEED] run it on COUNT deterministic mutations of the built-in seeds
- *     fuzz_NAME -t SECONDS [-w DIR] [-f PREFIX] [FILE...]
- *                               search for that long from the seeds and the files on; what reaches new ground goes to DIR,
- *                               what breaks something to PREFIXdigits
+ *     fuzz_NAME -t SECONDS [-w DIR | -m DIR] [-f PREFIX] [FILE...]
+ *                               search for that long from the seeds and the files on; what reaches new ground goes to DIR
+ *                               (-m: also of the files), what breaks something to PREFIXdigits
  *
  * The search keeps what runs code that nothing before it ran, or ran less often, and mutates that in turn. It needs to be
  * told by the compiler: -fsanitize-coverage=trace-pc -DBRDFFIT_COVERAGE (GCC, Clang). `make fuzz` builds it so, or with
@@ -221,6 +221,7 @@ struct search {
     uint64_t state;
     unsigned long inputs;
     const char *keep; /* folder, or NULL */
+    int files_too;
 };
 
 /* Run it; keep it when it reached something new. */
@@ -276,7 +277,7 @@ static inline void search_start(struct search *s, const struct fuzz_seed *seeds,
         unsigned char *data = standalone_load(*files, STANDALONE_CAPACITY, &size);
 
         if (data) {
-            search_try(s, data, size, 1);
+            search_try(s, data, size, !s->files_too);
         }
         free(data);
     }
@@ -293,8 +294,9 @@ static inline int standalone_search(int argc, char **argv, const struct fuzz_see
         return 1;
     }
     for (; at + 1 < argc && argv[at][0] == '-'; at += 2) {
-        if (argv[at][1] == 'w') {
+        if (argv[at][1] == 'w' || argv[at][1] == 'm') {
             s->keep = argv[at + 1];
+            s->files_too = argv[at][1] == 'm';
         } else {
             standalone_now.prefix = argv[at + 1];
         }
@@ -356,9 +358,10 @@ static inline int standalone_main(int argc, char **argv, const struct fuzz_seed 
         return standalone_search(argc, argv, seeds, seed_count);
     }
     if (argc < 2) {
-        fprintf(stderr,
-                "usage: %s FILE...\n       %s -n COUNT [SEED]\n       %s -t SECONDS [-w DIR] [-f PREFIX] [FILE...]\n",
-                argv[0], argv[0], argv[0]);
+        fprintf(
+            stderr,
+            "usage: %s FILE...\n       %s -n COUNT [SEED]\n       %s -t SECONDS [-w DIR | -m DIR] [-f PREFIX] [FILE...]\n",
+            argv[0], argv[0], argv[0]);
         return 2;
     }
     for (i = 1; i < argc; i++) {

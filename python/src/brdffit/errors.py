@@ -9,7 +9,6 @@ import numpy.typing as npt
 
 from . import _structs as structs
 
-
 # What would steer a terminal: controls (but line ends), those that turn the direction of writing, halves of characters.
 _STEERING = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
 

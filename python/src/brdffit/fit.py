@@ -19,7 +19,7 @@ from . import _structs as structs
 from ._arguments import choose
 from ._arrays import Floats, Frozen, address, floats, freeze, vectors
 from ._ffi import library
-from .errors import BrdffitError, DataError, OptionError, from_struct
+from .errors import DataError, OptionError, from_struct
 from .intervals import Intervals
 from .intervals import intervals as _intervals
 from .options import Options, _number
