@@ -165,8 +165,8 @@ def test_resume_looks_at_the_geometry(desk, name):
     command = ["stack.npy", *(["-g", name] if name.endswith("csv") else ["--lights", name]), "-o", "m.npz"]
     stacks.run(desk, *command, "--shard", "1/2")
     raw = (desk / name).read_bytes()
-    at = raw.rindex(b"0.1") if name.endswith("csv") else len(raw) - 8
-    rewrite_in_place(desk / name, raw[:at] + (b"0.2" if name.endswith("csv") else b"\0") + raw[at + (3 if name.endswith("csv") else 1):])
+    at, new = (raw.rindex(b"0.1"), b"0.2") if name.endswith("csv") else (len(raw) - 8, b"\0")
+    rewrite_in_place(desk / name, raw[:at] + new + raw[at + len(new):])
     done = stacks.run(desk, *command, expect=2)
     assert "holds an unfinished run that differs" in done.stderr and "content of" in done.stderr
 

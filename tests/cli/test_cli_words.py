@@ -18,7 +18,8 @@ COMMANDS = ["fit", "compare", "eval", "map", "merge", "info", "completion"]
     (["version"], "'--version'"), (["-v"], "'--version'"), (["-V"], "'--version'"), (["--verison"], "'--version'"),
     (["fitt"], "'fit'"), (["complete"], "'completion'"), (["fit", "x", "-lobes", "2"], "'--lobes'"),
     (["fit", "x", "-output", "y"], "'--output'"), (["fit", "x", "-quiet"], "'--quiet'"), (["map", "x", "-gap=1"], "'--gap'"),
-    (["fit", "x", "--distribution", "GGX"], "'ggx'"), (["fit", "x", "--norm", "L1"], "'l1'"), (["fit", "x", "--Lobes", "2"], "'--lobes'"),
+    (["fit", "x", "--distribution", "GGX"], "'ggx'"), (["fit", "x", "--norm", "L1"], "'l1'"),
+    (["fit", "x", "--Lobes", "2"], "'--lobes'"),
     (["fit", "x", "--fresnel", "Schlick"], "'schlick'"), (["fit", "x", "--lobes", "GGX"], "'ggx'")])
 def test_hints(given, hint):
     done = harness.run(*given)
@@ -43,8 +44,8 @@ def options(command):
 
 def completed(*words):
     """What bash offers for the last of the words."""
-    script = harness.run("completion", "bash").stdout + "\nCOMP_WORDS=(%s)\nCOMP_CWORD=%d\n_brdffit\nprintf '%%s\\n' \"${COMPREPLY[@]}\"\n" % (
-        " ".join("'%s'" % word for word in words), len(words) - 1)
+    asked = "COMP_WORDS=(%s)\nCOMP_CWORD=%d\n" % (" ".join("'%s'" % word for word in words), len(words) - 1)
+    script = harness.run("completion", "bash").stdout + asked + "_brdffit\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n"
     return set(subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True).stdout.split())
 
 

@@ -118,7 +118,7 @@ def truncations(stage, most):
 
 
 KINDS = {"allocations": (allocations, 8, 10**9), "full disk": (full_disk, 4, 60), "broken disk": (broken_disk, 4, 60),
-         "kills": (kills, 6, 100), "truncations": (truncations, 4, 120)}
+         "kills": (kills, 6, 100), "truncations": (truncations, 4, 170)}
 
 
 def run(kind, scene, most, folder):

@@ -131,6 +131,9 @@ int brdffit_cli_map_take_files(struct cli_map *map, struct cli_text *list, const
         }
         at = end + 1;
     }
+    if (code == 0 && out.failed) {
+        code = brdffit_cli_no_memory();
+    }
     if (*found && code == 0) {
         brdffit_cli_text_free(list);
         *list = out;

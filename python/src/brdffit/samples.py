@@ -180,7 +180,8 @@ class Samples(Frozen):
             return cls(**load(path, "merl", samples=samples, bins=bins, max_bytes=max_bytes))
         light, view = (vectors(name, value) for name, value in zip(("light", "view"), samples))
         at = cls(values=np.zeros((len(light), 1)), channels=("",), light=light, view=view)
-        return cls(**load(path, "merl", samples=at._struct(), bins=bins, max_bytes=max_bytes), _merl_directions=np.hstack([light, view]))
+        return cls(**load(path, "merl", samples=at._struct(), bins=bins, max_bytes=max_bytes),
+                   _merl_directions=np.hstack([light, view]))
 
     @classmethod
     def from_rgl(cls, path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "measured",

@@ -1,4 +1,7 @@
-"""Maps into a zarr group, tile by tile: those that are not there yet. Of those that are, the values are looked at. SPDX-License-Identifier: MIT"""
+"""Maps into a zarr group, tile by tile: those that are not there yet. Of those that are, the values are looked at.
+
+SPDX-License-Identifier: MIT
+"""
 from __future__ import annotations
 
 import math
