@@ -72,6 +72,15 @@ static int refuse(void)
     return no;
 }
 
+/* These stand before those of the C library. */
+#pragma GCC visibility push(default)
+void *malloc(size_t size);
+void *calloc(size_t count, size_t size);
+void *realloc(void *block, size_t size);
+void *aligned_alloc(size_t alignment, size_t size);
+void free(void *block);
+#pragma GCC visibility pop
+
 static int is_early(const void *block)
 {
     return (const unsigned char *)block >= early && (const unsigned char *)block < early + sizeof early;

@@ -90,7 +90,7 @@ const struct cli_option brdffit_cli_options[] = {
     {"anisotropy", 0, CLI_NUMBER, CLI_FIT, 0, AT(anisotropy), 1e-6, 1e6, 0, NULL, "X",
      "their ratio, along over across, where it is\nknown (default: searched); --anisotropic too"},
     {"tangent-angle", 0, CLI_NUMBER, CLI_FIT, 0, AT(tangent_angle), -360, 360, 0, NULL, "DEG",
-     "where the lobe's own tangent lies, from azimuth\n0 counterclockwise (default 0); --anisotropic too"},
+     "where the lobe's own tangent lies, from azimuth\n0 counterclockwise (default 0); --anisotropic\ntoo"},
     PLAIN("verify", 0, CLI_STRING, CLI_FIT, verify, "socp[=X]",
           "prove again, by engine socp alone, that nothing\nlies below the bound less this fraction of it\n"
           "(default 1e-3)"),
