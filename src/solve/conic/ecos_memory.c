@@ -3,10 +3,11 @@
  *
  * ECOS, AMD and LDL call malloc where no argument can say for whom, and go on with what it returns. So a call of theirs
  * belongs to its thread; each block hangs in a list; and where there is no memory, the call is left by longjmp. Nothing
- * of ours stands between (ECOS calls nobody back), and all that it held is in the list. A build without ECOS leaves this
- * file out.
+ * of ours stands between (ECOS calls nobody back), and all that it held is in the list.
  */
 #include "solve/conic/ecos_memory.h"
+
+#ifndef BRDFFIT_NO_ECOS /* the Makefile leaves this file out then; who compiles all of src may not */
 
 #include <setjmp.h>
 #include <stdint.h>
@@ -114,3 +115,5 @@ void brdffit_ecos_free(void *data)
     }
     free(block);
 }
+
+#endif

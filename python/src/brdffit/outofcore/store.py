@@ -83,7 +83,7 @@ def digest(*arrays: npt.NDArray[Any] | None) -> str:
 
 def checksum(values: npt.NDArray[Any]) -> int:
     """Of a tile's values: they are read to be fitted, so that this costs next to nothing."""
-    return zlib.crc32(np.ascontiguousarray(values).reshape(-1).view(np.uint8), values.itemsize)
+    return zlib.crc32(np.ascontiguousarray(values).reshape(-1).view(np.uint8).data, values.itemsize)
 
 
 # ---- The group -------------------------------------------------------------------------------------------------------
