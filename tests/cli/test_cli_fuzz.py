@@ -9,7 +9,7 @@ import harness
 FUZZ = harness.BUILD / "tests" / "fuzz"
 TARGETS = sorted(path.stem.removeprefix("fuzz_") for path in (harness.ROOT / "tests" / "fuzz").glob("fuzz_*.c"))
 # Those of the libraries have C tests of their own.
-COUNT = {"json": 30000, "list": 60000, "merge": 60000, "png": 10000}
+COUNT = {"json": 10000, "list": 20000, "merge": 20000, "png": 3000}
 
 
 @pytest.mark.parametrize("name", TARGETS)
