@@ -157,7 +157,7 @@ typedef struct brdffit_samples {
                               normals that are not +z anisotropic lobes need it */
 } brdffit_samples;
 
-#define brdffit_samples_init(samples) brdffit_samples_init_sized((samples), sizeof *(samples))
+#define brdffit_samples_init(samples) brdffit_samples_init_sized((samples), sizeof(brdffit_samples))
 BRDFFIT_API void brdffit_samples_init_sized(brdffit_samples *samples, size_t struct_size);
 
 /* ---- Weights of samples ------------------------------------------------ */
@@ -445,7 +445,7 @@ typedef struct brdffit_options {
 } brdffit_options;
 
 /* Set struct_size and every default. NULL is fine: nothing happens. */
-#define brdffit_options_init(options) brdffit_options_init_sized((options), sizeof *(options))
+#define brdffit_options_init(options) brdffit_options_init_sized((options), sizeof(brdffit_options))
 BRDFFIT_API void brdffit_options_init_sized(brdffit_options *options, size_t struct_size);
 
 /* ---- Model and result ------------------------------------------------- */
@@ -477,7 +477,7 @@ typedef struct brdffit_model {
 } brdffit_model;
 
 /* Set struct_size, one lobe, and zero or NULL elsewhere. NULL is fine: nothing happens. */
-#define brdffit_model_init(model) brdffit_model_init_sized((model), sizeof *(model))
+#define brdffit_model_init(model) brdffit_model_init_sized((model), sizeof(brdffit_model))
 BRDFFIT_API void brdffit_model_init_sized(brdffit_model *model, size_t struct_size);
 
 /* Bits of brdffit_lobe.warnings. */
@@ -736,7 +736,7 @@ typedef struct brdffit_texels {
 } brdffit_texels;
 
 /* As said above; zero strides when `plan` is NULL. NULL for `texels` is fine: nothing happens. */
-#define brdffit_texels_init(texels, plan) brdffit_texels_init_sized((texels), sizeof *(texels), (plan))
+#define brdffit_texels_init(texels, plan) brdffit_texels_init_sized((texels), sizeof(brdffit_texels), (plan))
 BRDFFIT_API void brdffit_texels_init_sized(brdffit_texels *texels, size_t struct_size, const brdffit_plan *plan);
 
 /* What became of a texel. */
@@ -778,7 +778,7 @@ typedef struct brdffit_texel_results {
 } brdffit_texel_results;
 
 /* Zero: every array NULL. NULL is fine: nothing happens. */
-#define brdffit_texel_results_init(results) brdffit_texel_results_init_sized((results), sizeof *(results))
+#define brdffit_texel_results_init(results) brdffit_texel_results_init_sized((results), sizeof(brdffit_texel_results))
 BRDFFIT_API void brdffit_texel_results_init_sized(brdffit_texel_results *results, size_t struct_size);
 
 /*
@@ -863,7 +863,7 @@ typedef struct brdffit_row {
 } brdffit_row;
 
 /* Set struct_size, and zero elsewhere. NULL is fine: nothing happens. */
-#define brdffit_row_init(row) brdffit_row_init_sized((row), sizeof *(row))
+#define brdffit_row_init(row) brdffit_row_init_sized((row), sizeof(brdffit_row))
 BRDFFIT_API void brdffit_row_init_sized(brdffit_row *row, size_t struct_size);
 
 /* What became of the cells of a row. There will be no more of these. */
@@ -976,7 +976,7 @@ typedef struct brdffit_many_stats {
 } brdffit_many_stats;
 
 /* Zero. NULL is fine: nothing happens. */
-#define brdffit_many_stats_init(stats) brdffit_many_stats_init_sized((stats), sizeof *(stats))
+#define brdffit_many_stats_init(stats) brdffit_many_stats_init_sized((stats), sizeof(brdffit_many_stats))
 BRDFFIT_API void brdffit_many_stats_init_sized(brdffit_many_stats *stats, size_t struct_size);
 
 /* ---- How sure: intervals of every parameter ---------------------------- */
@@ -994,7 +994,8 @@ typedef struct brdffit_interval_options {
 } brdffit_interval_options;
 
 /* Zero but for struct_size. NULL is fine: nothing happens. */
-#define brdffit_interval_options_init(options) brdffit_interval_options_init_sized((options), sizeof *(options))
+#define brdffit_interval_options_init(options)                                                                         \
+    brdffit_interval_options_init_sized((options), sizeof(brdffit_interval_options))
 BRDFFIT_API void brdffit_interval_options_init_sized(brdffit_interval_options *options, size_t struct_size);
 
 /* Bits of brdffit_range.flags. */

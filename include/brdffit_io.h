@@ -52,10 +52,12 @@ typedef struct brdffit_io_options {
     int directions_only;         /* 1: a CSV needs no channel; its samples may then have none (channels 0,
                                     values NULL): places to evaluate at or to look up, nothing to fit */
     const brdffit_samples *directions; /* form DIRECTIONS, used with MERL_DIRECTIONS */
+    size_t max_bytes;            /* most that a file may have, and that a gzip stream may unpack to; 0: 8 GiB for
+                                    files, 1 GiB unpacked */
 } brdffit_io_options;
 
 /* Set struct_size and every default. NULL is fine: nothing happens. */
-#define brdffit_io_options_init(options) brdffit_io_options_init_sized((options), sizeof *(options))
+#define brdffit_io_options_init(options) brdffit_io_options_init_sized((options), sizeof(brdffit_io_options))
 BRDFFIT_API void brdffit_io_options_init_sized(brdffit_io_options *options, size_t struct_size);
 
 /*

@@ -12,4 +12,8 @@ brdffit_status brdffit_io_options_check(const brdffit_io_options *given, brdffit
 /* The samples that options->directions points to, as this version knows them; 0 when it does not. */
 int brdffit_io_directions(const brdffit_io_options *options, brdffit_samples *own);
 
+/* The limits that these options set, in bytes: of a file, and of what a gzip stream unpacks to. */
+size_t brdffit_io_file_limit(const brdffit_io_options *options);
+size_t brdffit_io_unpacked_limit(const brdffit_io_options *options);
+
 #endif

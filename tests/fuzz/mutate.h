@@ -49,6 +49,7 @@ static inline size_t mutate_token(uint64_t *state, unsigned char *data, size_t s
         "nan", "inf", "0x1p-3", "1,5", "180", "180.0001", "-0", "theta_i", "theta_o", "phi_i", "phi_o", "lx", "ly",
         "lz", "vx", "vy", "vz", "nx", "ny", "nz", "a", "b", "c", "w", "weight", "_deg", "\xef\xbb\xbf", "\xff\xfe",
         "\x1f\x8b\x08",
+        "{", "}", "[", "]", ":", "null", "true", "\\u0000", "\\", "file", "sigma", "--tile", "IDAT", "PLTE", "IHDR", " x ",
         "00000000000000000000000000000000000000", "9007199254740993", "\x7f",
     };
     /* clang-format on */

@@ -13,6 +13,7 @@
 #include "models.h"
 #include "output.h"
 #include "report.h"
+#include "tell.h"
 
 struct run {
     struct cli_settings *settings;
@@ -75,8 +76,8 @@ static int publish(struct run *r, const struct cli_job *job)
         brdffit_cli_report_error(job->path, &job->error, job->table, job->system_error);
     }
     if (fitted && job->result->stop == BRDFFIT_STOP_CONTRADICTION) {
-        fprintf(stderr, "brdffit: %s: the proof contradicts the fit: an error in brdffit, nothing is proven\n",
-                job->path);
+        brdffit_cli_tell("brdffit: %s: the proof contradicts the fit: an error in brdffit, nothing is proven\n",
+                         job->path);
     }
     if (r->settings->json) {
         brdffit_cli_json_fit(&text, job, &r->fitter);
@@ -121,8 +122,8 @@ static int fit_files(struct run *r)
 static void summary(const struct run *r)
 {
     if (r->not_begun > 0) {
-        fprintf(stderr, "brdffit: interrupted; %zu file%s not begun\n", r->not_begun,
-                r->not_begun == 1 ? " was" : "s were");
+        brdffit_cli_tell("brdffit: interrupted; %zu file%s not begun\n", r->not_begun,
+                         r->not_begun == 1 ? " was" : "s were");
     }
     if (r->settings->json || r->settings->quiet || r->settings->file_count < 2) {
         return;
@@ -140,7 +141,7 @@ static void summary(const struct run *r)
         brdffit_cli_name(&text, style, r->settings->files[i]);
         separator = ", ";
     }
-    fprintf(stderr, "brdffit: %s%s\n", brdffit_cli_text_string(&text), r->failed ? ")" : "");
+    brdffit_cli_tell("brdffit: %s%s\n", brdffit_cli_text_string(&text), r->failed ? ")" : "");
     brdffit_cli_text_free(&text);
 }
 
@@ -172,6 +173,7 @@ static int run_fit(struct run *r)
         brdffit_cli_output_abandon(&r->output);
         return CLI_EXIT_FAILURE;
     }
+    r->output.may_be_empty = r->settings->json; /* a part (--shard) without files */
     if (brdffit_cli_output_commit(&r->output) != 0) {
         return CLI_EXIT_FAILURE;
     }
@@ -182,8 +184,8 @@ static int run_fit(struct run *r)
 int brdffit_cli_fit(int argc, char **argv)
 {
     struct cli_settings settings;
-    int code = CLI_EXIT_USAGE;
     const enum cli_parse answer = brdffit_cli_parse(CLI_FIT, "fit", argc, argv, &settings);
+    int code = answer == CLI_PARSE_NO_MEMORY ? CLI_EXIT_FAILURE : CLI_EXIT_USAGE;
     if (answer == CLI_PARSED_HELP) {
         brdffit_cli_fit_help();
         code = 0;

@@ -157,12 +157,12 @@ class Samples(Frozen):
                    weights=None if weights is None else column("weights", weights, n))
 
     @classmethod
-    def from_csv(cls, path: Path, *, quantity: str | None = None) -> Samples:
+    def from_csv(cls, path: Path, *, quantity: str | None = None, max_bytes: int = 0) -> Samples:
         """A CSV or TSV file (also .gz). One header line names the columns: theta_i, phi_i, theta_o, phi_o in degrees,
         or lx, ly, lz, vx, vy, vz, or a, b, c; weight; uncertainty (standard deviation of the values, in their units, which
         becomes a weight); every other column is a channel. `quantity` None: "brdf" for directions, "radiance" for a, b,
-        c."""
-        return cls(**load(path, "csv", quantity=quantity))
+        c. `max_bytes`: most of the file, and of what it unpacks to (0: 8 and 1 GiB)."""
+        return cls(**load(path, "csv", quantity=quantity, max_bytes=max_bytes))
 
     @classmethod
     def _places(cls, path: Path, quantity: str | None) -> Samples:
@@ -171,15 +171,17 @@ class Samples(Frozen):
 
     @classmethod
     def from_merl(cls, path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "table",
-                  bins: str = "edge") -> Samples:
+                  bins: str = "edge", max_bytes: int = 0) -> Samples:
         """A MERL .binary file (also .gz). samples: "table" (every cell that was measured), "84" (the paper's
-        directions), or (light, view) to look up. bins: which angle entry i stands for, its bin's "edge" or "centre"."""
+        directions), or (light, view) to look up. bins: which angle entry i stands for, its bin's "edge" or "centre".
+        max_bytes: most of the file, and of what it unpacks to (0: 8 and 1 GiB)."""
         choose("bins", bins, structs.MERL_BINS)
         if isinstance(samples, str):
-            return cls(**load(path, "merl", samples=samples, bins=bins))
+            return cls(**load(path, "merl", samples=samples, bins=bins, max_bytes=max_bytes))
         light, view = (vectors(name, value) for name, value in zip(("light", "view"), samples))
         at = cls(values=np.zeros((len(light), 1)), channels=("",), light=light, view=view)
-        return cls(**load(path, "merl", samples=at._struct(), bins=bins), _merl_directions=np.hstack([light, view]))
+        return cls(**load(path, "merl", samples=at._struct(), bins=bins, max_bytes=max_bytes),
+                   _merl_directions=np.hstack([light, view]))
 
     @classmethod
     def from_rgl(cls, path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "measured",

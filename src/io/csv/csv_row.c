@@ -71,7 +71,7 @@ static brdffit_status fail_split(const struct row *row, enum io_split split, siz
 static brdffit_status numbers(struct row *row, int *absent, int *negative)
 {
     const struct csv_layout *layout = row->layout;
-    double *channels = row->table->array[IO_VALUES] + row->sample * layout->channels;
+    double *channels = layout->channels > 0 ? row->table->array[IO_VALUES] + row->sample * layout->channels : NULL;
     size_t j, k = 0;
 
     for (j = 0; j < layout->columns; j++) {
