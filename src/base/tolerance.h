@@ -5,6 +5,8 @@
 #ifndef BRDFFIT_TOLERANCE_H
 #define BRDFFIT_TOLERANCE_H
 
+#include "base/ieee.h"
+
 /* Half a unit in the last place of 1: the rounding unit u of IEEE double. */
 #define TOL_UNIT 1.1102230246251565e-16
 

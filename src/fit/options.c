@@ -87,6 +87,10 @@ static brdffit_status check_choices(const brdffit_options *o, brdffit_error *err
     if (!brdffit_isa_supported(o->isa)) {
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "this build or processor has no such instruction set");
     }
+    if (ieee_contracts() || brdffit_kernels(o->isa)->contracts()) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
+                            "the library was compiled with multiply-adds: compile it with -ffp-contract=off");
+    }
     return BRDFFIT_OK;
 }
 

@@ -62,6 +62,9 @@ struct gains_list {
 #define GAINS(sides) (1u << (2 * (sides)))
 
 struct kernels {
+    /* Whether these were compiled with products that are not rounded (base/ieee.h): then nothing may be made of them. */
+    int (*contracts)(void);
+
     /* phi[j] = exp(-c[j] u); u >= 0. */
     void (*exponential_shape)(const double *c, size_t n, double u, double *phi);
 

@@ -25,6 +25,7 @@ SMITH(smith_beckmann_correlated, beckmann, 0)
 SMITH(smith_beckmann_separable, beckmann, 1)
 
 const struct kernels KERNELS = {
+    .contracts = ieee_contracts,
     .exponential_shape = exponential_shape,
     .ggx_shape = ggx_shape,
     .ggx_slopes = ggx_slopes,
