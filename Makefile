@@ -141,6 +141,7 @@ help:
 	@echo 'make venv        the environment of the Python tests, of clang-format and of ruff, in $(VENV)'
 	@echo 'make check-package  the Python package: wheel, sdist, editable, ECOS=0, removal, in fresh environments'
 	@echo 'make deps        only install what is missing (Debian; elsewhere: say what is missing)'
+	@echo 'make amalgamation  the core as one file, $(BUILD)/amalgamation/brdffit.c (tools/amalgamate has options)'
 	@echo 'make docs        the documentation, in $(BUILD)/docs/html'
 	@echo 'make install     to $(prefix) (PREFIX, DESTDIR, bindir, libdir, ... are honoured)'
 	@echo 'make uninstall   remove what install put there'
@@ -520,6 +521,10 @@ check-asan: build-asan venv
 check-python: check-build venv
 	@$(RUN) $(PYTHON_UNITS)
 
+amalgamation:
+	@$(PYTHON) tools/amalgamate/amalgamate.py -o '$(BUILD)/amalgamation' --cc '$(CC)'
+.PHONY: amalgamation
+
 # Virtual environments and downloads: not in `make check`. A copy of this goes through every way to install the package.
 check-package:
 	@PYTHON='$(PYTHON)' sh tools/setup/package.sh
@@ -529,7 +534,7 @@ clean:
 	rm -rf $(BUILD)/obj $(BUILD)/tests $(BUILD)/asan $(BUILD)/ecos0 $(BUILD)/demo
 	rm -rf $(BUILD)/examples $(BUILD)/grown $(BUILD)/install $(BUILD)/whole $(BUILD)/python $(BUILD)/pycache $(BUILD)/pytest_cache
 	rm -f $(BUILD)/libbrdffit* $(BUILD)/*.pc $(BUILD)/*.flags $(BUILD)/brdffit $(BUILD)/goniometer $(BUILD)/bench_*
-	rm -rf $(BUILD)/docs
+	rm -rf $(BUILD)/docs $(BUILD)/amalgamation $(BUILD)/firmware $(BUILD)/cross $(BUILD)/packaging $(BUILD)/cmake
 
 distclean:
 	rm -rf $(BUILD) python/src/brdffit/_lib
