@@ -270,6 +270,9 @@ $(OBJ)/tests/%.o: tests/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 $(OBJ)/no_ecos/tests/%.o: tests/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 	$(compile_test)
 
+# Packets of brdffit_shade.h, as a renderer would compile them.
+$(OBJ)/tools/bench/bench_shade.o: EXTRA = -O3 $(if $(filter -DBRDFFIT_HAVE_AVX2,$(ISA_FLAGS)),$(AVX2_FLAGS))
+
 # Tools and examples see the public headers only.
 $(OBJ)/tools/%.o: tools/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 	@mkdir -p $(@D)
@@ -356,11 +359,14 @@ $(BUILD)/%.pc: tools/setup/%.pc.in $(BUILD)/install.flags
 
 # ---- Install -----------------------------------------------------------------
 
-HEADERS := include/brdffit.h include/brdffit_io.h
+HEADERS := include/brdffit.h include/brdffit_io.h include/brdffit_shade.h
+SHADE_HEADERS := $(sort $(wildcard include/brdffit_shade/*.h))
 
 install: all
 	$(INSTALL) -d '$(DESTDIR)$(bindir)' '$(DESTDIR)$(libdir)' '$(DESTDIR)$(includedir)' '$(DESTDIR)$(pkgconfigdir)'
 	$(INSTALL_DATA) $(HEADERS) '$(DESTDIR)$(includedir)'
+	$(INSTALL) -d '$(DESTDIR)$(includedir)/brdffit_shade'
+	$(INSTALL_DATA) $(SHADE_HEADERS) '$(DESTDIR)$(includedir)/brdffit_shade'
 	$(INSTALL_DATA) $(STATIC) $(STATIC_IO) '$(DESTDIR)$(libdir)'
 	for name in libbrdffit libbrdffit_io; do \
 	    $(INSTALL) -m 755 $(BUILD)/$$name.so.$(VERSION) '$(DESTDIR)$(libdir)' && \
@@ -377,7 +383,8 @@ ifneq ($(MANUALS),)
 endif
 
 uninstall:
-	rm -f $(HEADERS:include/%='$(DESTDIR)$(includedir)'/%)
+	rm -f $(HEADERS:include/%='$(DESTDIR)$(includedir)'/%) $(SHADE_HEADERS:include/%='$(DESTDIR)$(includedir)'/%)
+	-rmdir '$(DESTDIR)$(includedir)/brdffit_shade' 2> /dev/null
 	for name in libbrdffit libbrdffit_io; do \
 	    for end in a so so.$(SOVERSION) so.$(VERSION); do rm -f '$(DESTDIR)$(libdir)'/$$name.$$end; done; \
 	done
