@@ -82,6 +82,7 @@ struct brdffit_shade_description {
 };
 
 #define SHADE_INLINE BRDFFIT_SHADE_INLINE
+#define SHADE_FUNCTION static inline
 #define SHADE_JOIN2(name, end) brdffit_shade_##name##_##end
 #define SHADE_JOIN(name, end) SHADE_JOIN2(name, end)
 #define FN(name) SHADE_JOIN(name, SHADE_END)
@@ -139,6 +140,7 @@ struct brdffit_shade_description {
 #undef COS
 
 #undef SHADE_INLINE
+#undef SHADE_FUNCTION
 #undef SHADE_JOIN2
 #undef SHADE_JOIN
 #undef FN

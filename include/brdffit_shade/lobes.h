@@ -33,15 +33,15 @@ SHADE_INLINE struct FN(angles) FN(angles_of)(struct FN(direction) l, struct FN(d
     struct FN(angles) a;
     REAL hx = l.x + v.x, hy = l.y + v.y, hz = l.z + v.z;
     REAL dx = l.x - v.x, dy = l.y - v.y, dz = l.z - v.z;
-    REAL across = hx * hx + hy * hy, length = SQRT(across + hz * hz);
+    REAL across = hx * hx + hy * hy, norm = SQRT(across + hz * hz);
 
     a.nl = l.z;
     a.nv = v.z;
     a.sin2_l = l.x * l.x + l.y * l.y;
     a.sin2_v = v.x * v.x + v.y * v.y;
     a.tan2_half = across / (hz * hz);
-    a.cos_half = hz / length;
-    a.vh = LIT(0.5) * length;
+    a.cos_half = hz / norm;
+    a.vh = LIT(0.5) * norm;
     a.lv = dx * dx + dy * dy + dz * dz;
     a.versine = LIT(0.25) * a.lv / (LIT(1.0) + a.vh);
     return a;

@@ -27,21 +27,21 @@ SHADE_INLINE struct FN(direction) FN(direction_of)(REAL x, REAL y, REAL z)
 
 SHADE_INLINE struct FN(direction) FN(normalise)(REAL x, REAL y, REAL z)
 {
-    REAL length = SQRT(x * x + y * y + z * z);
+    REAL norm = SQRT(x * x + y * y + z * z);
 
-    return FN(direction_of)(x / length, y / length, z / length);
+    return FN(direction_of)(x / norm, y / norm, z / norm);
 }
 
-/* 1 - cosine and azimuth about an axis of unit length (Duff et al. 2017). */
+/* 1 - cosine and azimuth about an axis of unit norm (Duff et al. 2017). */
 SHADE_INLINE struct FN(direction) FN(about)(struct FN(direction) axis, REAL versine, REAL phi)
 {
     REAL sine = SQRT(versine * (versine < LIT(2.0) ? LIT(2.0) - versine : LIT(0.0))), cosine = LIT(1.0) - versine;
-    REAL sign = axis.z < LIT(0.0) ? LIT(-1.0) : LIT(1.0), p = LIT(-1.0) / (sign + axis.z), q = axis.x * axis.y * p;
+    REAL pole = axis.z < LIT(0.0) ? LIT(-1.0) : LIT(1.0), p = LIT(-1.0) / (pole + axis.z), q = axis.x * axis.y * p;
     REAL x = sine * COS(phi), y = sine * SIN(phi);
 
-    return FN(direction_of)(x * (LIT(1.0) + sign * axis.x * axis.x * p) + y * q + cosine * axis.x,
-                            x * sign * q + y * (sign + axis.y * axis.y * p) + cosine * axis.y,
-                            -(x * sign * axis.x) - y * axis.y + cosine * axis.z);
+    return FN(direction_of)(x * (LIT(1.0) + pole * axis.x * axis.x * p) + y * q + cosine * axis.x,
+                            x * pole * q + y * (pole + axis.y * axis.y * p) + cosine * axis.y,
+                            -(x * pole * axis.x) - y * axis.y + cosine * axis.z);
 }
 
 /* The viewer mirrored by a half vector. */
@@ -120,7 +120,7 @@ SHADE_INLINE REAL FN(erf_inverse)(REAL x)
  * C(x) / C(cot), C(x) = 1 + erf(x) + tan exp(-x^2) / sqrt(pi), x <= cot; C' = 2 / sqrt(pi) exp(-x^2) (1 - x tan). Newton, and
  * halves where that leaves the bracket.
  */
-static inline REAL FN(visible_slope)(REAL cotangent, REAL u)
+SHADE_FUNCTION REAL FN(visible_slope)(REAL cotangent, REAL u)
 {
     REAL tangent = LIT(1.0) / cotangent, low = LIT(-6.0), high = cotangent < LIT(6.0) ? cotangent : LIT(6.0), x, goal;
     int i, done;
@@ -143,7 +143,7 @@ static inline REAL FN(visible_slope)(REAL cotangent, REAL u)
     return x;
 }
 
-static inline struct FN(direction) FN(visible_beckmann)(struct FN(direction) v, REAL s, REAL u1, REAL u2)
+SHADE_FUNCTION struct FN(direction) FN(visible_beckmann)(struct FN(direction) v, REAL s, REAL u1, REAL u2)
 {
     REAL sigma = LIT(1.0) / SQRT(s), sine = sigma * SQRT(v.x * v.x + v.y * v.y);
     REAL least = LIT(1e-4) * v.z, cotangent = v.z / (sine > least ? sine : least);

@@ -51,7 +51,9 @@ static void usage(FILE *out)
     for (size_t i = 0; i < COMMAND_COUNT; i++) {
         fprintf(out, "  %-8s %s\n", commands[i].name, commands[i].summary);
     }
-    fputs("  report   pages that show fits, their proofs and residuals (of the Python package)\n", out);
+    fputs("  report   pages that show fits, their proofs and residuals (of the Python package)\n"
+          "  export   a fit as a material of Mitsuba, Blender, glTF, ... (of the Python package)\n",
+          out);
     fputs("\n'brdffit COMMAND --help' explains a command; 'brdffit --version' tells the\n"
           "version. Any other NAME runs the program brdffit-NAME from your PATH.\n",
           out);
@@ -73,12 +75,13 @@ static int unknown_command(const char *name)
     for (size_t i = 0; i < COMMAND_COUNT; i++) {
         brdffit_cli_suggest(&near, name, commands[i].name);
     }
-    if (strcmp(name, "report") == 0) {
-        fputs("brdffit: there is no brdffit-report on the PATH. It comes with the Python package: in a clone of "
-              "brdffit,\n"
-              "    pip install ./python\n"
-              "and if that is in a virtual environment, activate it (or put its bin/ on the PATH).\n",
-              stderr);
+    if (strcmp(name, "report") == 0 || strcmp(name, "export") == 0) {
+        fprintf(stderr,
+                "brdffit: there is no brdffit-%s on the PATH. It comes with the Python package: in a clone of "
+                "brdffit,\n"
+                "    pip install ./python\n"
+                "and if that is in a virtual environment, activate it (or put its bin/ on the PATH).\n",
+                name);
         return CLI_EXIT_USAGE;
     }
     fprintf(stderr, "brdffit: '%s' is not a command", name);
