@@ -136,6 +136,7 @@ help:
 	@echo 'make bench [DATA="dir ..."] [QUICK=1]   run time against error, beside every peer'
 	@echo 'make paper DATA=dir [STARTS=100]   the paper'\''s experiments on MERL or CSV files'
 	@echo 'make stress      strained problems against 50-digit references (RESULTS=file.md: a table there)'
+	@echo 'make export-errors DATA="dir ..."   what renderers make of measured materials, by target'
 	@echo 'make clean       remove what was built; keeps downloads'
 	@echo 'make distclean   remove $(BUILD)/ whole'
 	@echo
@@ -519,7 +520,7 @@ distclean:
 	rm -rf $(BUILD) python/src/brdffit/_lib
 
 # In this order. The Python package's sdist has none of them: it builds the library only.
-include $(wildcard tools/bench/peers.mk) $(wildcard tools/bench/bench.mk) $(wildcard tools/stress/stress.mk)
+include $(wildcard tools/bench/peers.mk) $(wildcard tools/bench/bench.mk) $(wildcard tools/stress/stress.mk) $(wildcard tools/export/export.mk)
 
 -include $(wildcard $(foreach tree,$(sort $(OBJ) $(ASKING_OBJ)),$(tree)/src/*/*.d $(tree)/src/*/*/*.d $(tree)/tests/*.d $(tree)/tests/*/*.d))
 -include $(wildcard $(OBJ)/tools/*/*.d $(OBJ)/examples/*.d)

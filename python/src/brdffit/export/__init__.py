@@ -66,7 +66,8 @@ def export(fit: Fit, target: str, path: Path, samples: Samples | None, names: tu
     else:
         tables.write_text(file, _text(fit, to, found, chosen, name if not name[0].isdigit() else "m" + name, said, scene))
     if found is None:
-        return Exported(file, target, True, fit.certified, at.rms(at.fitted, at.values), at.rms(at.fitted, at.values), 0.0, tuple(said))
+        error = at.rms(at.fitted, at.values)
+        return Exported(file, target, True, fit.certified, error, error, 0.0, tuple(said))
     return Exported(file, target, found.exact, found.certified, found.error, found.fit_error, found.from_fit, tuple(said), found)
 
 
@@ -82,7 +83,8 @@ def _text(fit: Fit, to: Target, found: Shown | None, chosen: list[int], name: st
             return _xml(scenes.mitsuba(sums.mitsuba(space, p, name), name, scene), said)
         if to.name == "cycles":
             return _xml("<cycles>\n%s\n</cycles>\n" % sums.cycles(space, p, name), said)
-        return '"""%s"""\n' % "\n".join(said).replace("\\", "/").replace('"', "'") + scenes.blender(sums.blender(space, p, name), scene)
+        doc = "\n".join(said).replace("\\", "/").replace('"', "'")
+        return '"""%s"""\n%s' % (doc, scenes.blender(sums.blender(space, p, name), scene))
     if isinstance(space, Conductors):
         return "".join("# %s\n" % line for line in said) + sums.pbrt(space, p, name) + "\n"
     if isinstance(space, Free):

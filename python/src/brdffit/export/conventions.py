@@ -44,13 +44,15 @@ _WHOLE = ("any",)
 
 TARGETS = {one.name: one for one in (
     Target("mitsuba", "Mitsuba 3", ".xml", "sum", _BOTH, "smith-separable", 3, "alpha = σ; principled: roughness = √σ",
-           "4y in specular_reflectance; Schlick: principled, metallic 1, base_color F0, weight 4y; else eta and k", "reflectance = x",
+           "4y in specular_reflectance; Schlick: principled, metallic 1, base_color F0, weight 4y; else eta and k",
+           "reflectance = x",
            "blendbsdf: each part divided by its largest channel, which is its weight; x and 4y sum to at most 1", total=True),
     Target("pbrt", "pbrt-v4", ".pbrt", "conductor", ("ggx",), "smith", 3, "roughness = σ, remaproughness false",
            "conductor of eta and k: exact Fresnel factor", "reflectance = x", "mix: as blendbsdf; sum to at most 1",
            total=True),
     Target("cycles", "Cycles (XML of the stand-alone program)", ".xml", "sum", _BOTH, "smith", 3, "roughness = √σ, σ ≤ 1",
-           "4y in the colour of glossy; Schlick: metallic, F82, edge tint white; else eta and k", "colour = x of diffuse, roughness 0",
+           "4y in the colour of glossy; Schlick: metallic, F82, edge tint white; else eta and k",
+           "colour = x of diffuse, roughness 0",
            "add; metallic mixed with nothing by its weight", sigma=1.0),
     Target("blender", "Blender (Python, Cycles and EEVEE)", ".py", "sum", _BOTH, "smith", 3, "roughness = √σ, σ ≤ 1",
            "as Cycles", "colour = x of Diffuse BSDF, roughness 0", "as Cycles: Add Shader, Mix Shader", sigma=1.0),
@@ -74,5 +76,5 @@ TARGETS = {one.name: one for one in (
     Target("merl", "MERL table", ".binary", "table", _WHOLE, "any", 3, "–", "any", "any",
            "f_r at the edges of 90 x 90 x 180 bins"),
     Target("rgl", "RGL tensor file", ".bsdf", "table", _WHOLE, "any", 3, "–", "any", "any",
-           "f_r over 32 x 48 half vectors for each of 16 angles of light"),
+           "f_r (n.v) over 72 x 72 half vectors for each of 16 angles of light"),
 )}

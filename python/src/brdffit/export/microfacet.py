@@ -80,14 +80,14 @@ def dielectric(eta: float, cosine: Floats) -> Floats:
     return np.asarray((across ** 2 + along ** 2) / 2)
 
 
-def extinction(eta: float, base: Floats) -> Floats:
+def extinction(eta: Floats, base: Floats) -> Floats:
     """k of a conductor whose reflectance at normal incidence is a dielectric's of that eta, and `base` of what is left."""
     least = ((eta - 1) / (eta + 1)) ** 2
     r = np.minimum(least + base * (1 - least), 0.9999)
-    return np.sqrt(np.maximum(0.0, (r * (eta + 1) ** 2 - (eta - 1) ** 2) / (1 - r)))
+    return np.asarray(np.sqrt(np.maximum(0.0, (r * (eta + 1) ** 2 - (eta - 1) ** 2) / (1 - r))))
 
 
-def conductor(eta: float, k: Floats, cosine: Floats) -> Floats:
+def conductor(eta: Floats, k: Floats, cosine: Floats) -> Floats:
     """Exact Fresnel factor of the complex index eta - i k, N x K."""
     c = np.asarray(cosine)[:, None]
     c2, s2 = c * c, 1 - c * c

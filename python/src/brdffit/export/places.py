@@ -7,8 +7,8 @@ import numpy as np
 
 from .._arrays import Floats
 from ..errors import DataError, UnsupportedError
-from .fitted import Fit
 from ..samples import Samples
+from .fitted import Fit
 
 COUNT = 1200  # pairs where there is no measurement
 

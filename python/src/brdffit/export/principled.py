@@ -17,9 +17,9 @@ import functools
 import numpy as np
 
 from .._arrays import Floats
-from .fitted import Fit
 from . import microfacet as m
 from .conventions import Target
+from .fitted import Fit
 from .spaces import SIGMA_LEAST, coefficients
 
 
@@ -68,7 +68,8 @@ class Gltf(_OneLobe):
 
     def starts(self, fit: Fit, chosen: list[int]) -> tuple[list[Floats], bool]:
         sigma, x, weight, f0 = self.guess(fit, chosen)
-        return self.inside([sigma, x / (1 - 0.9 * f0.max()), 0.0, weight[0], f0], [sigma, x / (1 - 0.9 * f0.max()), 0.0, 1.0, f0 * weight],
+        under = x / (1 - 0.9 * f0.max())
+        return self.inside([sigma, under, 0.0, weight[0], f0], [sigma, under, 0.0, 1.0, f0 * weight],
                            [sigma, f0, 0.95, weight[0], f0], [sigma, 0.5 * (x + f0), 0.5, weight[0], f0 * weight]), False
 
 

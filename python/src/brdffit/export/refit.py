@@ -15,10 +15,10 @@ import numpy as np
 
 from .._arrays import Floats
 from ..errors import BrdffitError, DataError
-from .fitted import Fit
 from ..samples import Samples
 from . import microfacet as m
 from .conventions import Target
+from .fitted import Fit
 from .places import Places
 from .principled import Gltf, OpenPbr, Usd
 from .spaces import Conductors, Free, Space, Sum
@@ -105,7 +105,8 @@ def _fits(samples: Samples, fit: Fit, target: Target, distribution: str, lobes: 
 
 def _holds(fit: Fit, target: Target) -> bool:
     return (all(name in target.distributions for name in fit.distributions) and fit.masking == target.masking and
-            fit.lobes <= target.lobes and fit.diffuse in ("lambert", "none") and bool((np.asarray(fit.sigma) <= target.sigma).all()))
+            fit.lobes <= target.lobes and fit.diffuse in ("lambert", "none") and
+            bool((np.asarray(fit.sigma) <= target.sigma).all()))
 
 
 def _judge(fit: Fit, base: Fit, space: Space, target: Target, at: Places, chosen: list[int]) -> Shown:

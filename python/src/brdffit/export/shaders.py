@@ -117,7 +117,8 @@ class _Writer:
             return normals
         masking = {"v-cavity": "brdffit_v_cavity(a)", "none": "1.0 / a.nv"}.get(self.fit.masking)
         if masking is None:
-            masking = "brdffit_%s(a, %s, %s)" % (self.fit.masking.replace("-", "_"), self._side(name, p, "l"), self._side(name, p, "v"))
+            masking = "brdffit_%s(a, %s, %s)" % (
+                self.fit.masking.replace("-", "_"), self._side(name, p, "l"), self._side(name, p, "v"))
         return "%s * (%s)" % (normals, masking)
 
     def pdf(self, p: int) -> str:
@@ -141,7 +142,7 @@ class _Writer:
             return []
         names = {"lambert": ["lambert"], "oren-nayar": ["lambert", "oren_nayar"],
                  "burley": ["burley_0", "burley_1", "burley_2"]}[self.fit.diffuse]
-        more = [] if self.fit.x_more is None else [[float(one) for one in row] for row in np.asarray(self.fit.x_more)[self.chosen].T]
+        more = [] if self.fit.x_more is None else np.asarray(self.fit.x_more)[self.chosen].T.tolist()
         return list(zip(names, [x, *more]))
 
     def shares(self) -> list[float]:
@@ -156,7 +157,9 @@ class _Writer:
 
 
 def _body(writer: _Writer, of: Language) -> str:
-    fit, take = writer.fit, "brdffit_angles a = brdffit_angles_of(brdffit_direction_of(l[0], l[1], l[2]), brdffit_direction_of(v[0], v[1], v[2]));"
+    fit = writer.fit
+    take = "brdffit_angles a = brdffit_angles_of(%s, %s);" % tuple(
+        "brdffit_direction_of(%s[0], %s[1], %s[2])" % ((one,) * 3) for one in "lv")
     adds = ["        sum += %s * brdffit_%s(a);" % (writer.colour(x), name) for name, x in writer.diffuse()]
     for p in range(fit.lobes):
         y = np.asarray(fit.y)[writer.chosen, p]
@@ -233,8 +236,10 @@ def closures(space: Free, p: object, name: str) -> str:
     terms = ["%s * oren_nayar_diffuse_bsdf(N, color(1.0), 0.0)" % colour(values[:3])]
     for distribution, row in zip(space.distributions, values[3:].reshape(-1, 7)):
         total = row[1:4] + row[4:]
-        terms.append('%s * generalized_schlick_bsdf(N, vector(0.0), color(1.0), color(0.0), %s, %s, %s, color(1.0), 5.0, "%s")' % (
-            colour(total), *(_number(math.exp(row[0])),) * 2, colour(row[1:4] / np.maximum(total, 1e-30)), distribution))
-    return "surface %s(output closure color BSDF = 0)\n{\n    BSDF = %s;\n    Ci = BSDF;\n}\n" % (re.sub(r"\W", "_", name), "\n         + ".join(terms))
+        alpha = _number(math.exp(row[0]))
+        terms.append("%s * generalized_schlick_bsdf(N, vector(0.0), color(1.0), color(0.0), %s, %s,\n             %s, color(1.0), "
+                     '5.0, "%s")' % (colour(total), alpha, alpha, colour(row[1:4] / np.maximum(total, 1e-30)), distribution))
+    return "surface %s(output closure color BSDF = 0)\n{\n    BSDF = %s;\n    Ci = BSDF;\n}\n" % (
+        re.sub(r"\W", "_", name), "\n         + ".join(terms))
 
 

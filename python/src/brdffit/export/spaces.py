@@ -1,6 +1,8 @@
 """What a target can show, as numbers in a box: values, and the parameters of the BSDFs that give them.
 
-A space turns a vector of parameters into radiance, N x 3, and has bounds for each. `refit.py` moves them. SPDX-License-Identifier: MIT
+A space turns a vector of parameters into radiance, N x 3, and has bounds for each. `refit.py` moves them.
+
+SPDX-License-Identifier: MIT
 """
 from __future__ import annotations
 
@@ -9,9 +11,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from .._arrays import Floats
-from .fitted import Fit
 from . import microfacet as m
 from .conventions import Target
+from .fitted import Fit
 
 SIGMA_LEAST = 1e-4
 ETA_MOST = 3.0
@@ -49,7 +51,7 @@ class Lobe(NamedTuple):
     weight: Floats
     base: Floats
     fresnel: str  # "schlick" or "conductor"
-    eta: float  # of a conductor
+    eta: Floats  # of a conductor
 
     @property
     def k(self) -> Floats:
@@ -57,14 +59,15 @@ class Lobe(NamedTuple):
 
 
 class Sum:
-    """x, and of each lobe ln sigma, base, colour, weight (three where the target can colour the Fresnel lobe), a conductor's eta."""
+    """x, and of each lobe ln sigma, base, colour, weight; of a conductor three weights and three eta."""
 
     def __init__(self, target: Target, distributions: tuple[str, ...], fresnel: str = "schlick") -> None:
         self.target, self.distributions, self.fresnel = target, distributions, fresnel
-        self.weights = 3 if fresnel == "conductor" and target.name == "mitsuba" else 1
+        self.weights = 3 if fresnel == "conductor" else 1
         most = 1.0 if target.total else 100.0
-        self.more = [1.0] if fresnel == "conductor" else []
-        top = [np.log(target.sigma)] + [0.999 if self.more else 1] * 3 + [most] * 3 + [1] * self.weights + [ETA_MOST] * len(self.more)
+        self.more = [1.0] * 3 if fresnel == "conductor" else []
+        top = [np.log(target.sigma)] + [0.999 if self.more else 1] * 3 + [most] * 3 + [1] * self.weights
+        top += [ETA_MOST] * len(self.more)
         least = [np.log(SIGMA_LEAST)] + [0.0] * (6 + self.weights) + self.more
         self.low = np.array([0.0] * 3 + least * len(distributions))
         self.high = np.array([most] * 3 + top * len(distributions))
@@ -78,7 +81,7 @@ class Sum:
 
     def lobes(self, p: Floats) -> list[Lobe]:
         return [Lobe(name, float(np.exp(row[0])), row[4:7], np.broadcast_to(row[7:7 + self.weights], 3), row[1:4], self.fresnel,
-                     float(row[-1]))
+                     row[-3:])
                 for name, row in zip(self.distributions, self.rows(p))]
 
     def values(self, p: Floats, a: m.Angles) -> Floats:
@@ -98,7 +101,7 @@ class Sum:
         out = p.copy()
         out[:3] *= by
         self.rows(out)[:, 4:7 + self.weights] *= by
-        return out
+        return np.asarray(out)
 
     def starts(self, fit: Fit, chosen: list[int]) -> tuple[list[Floats], bool]:
         """Exact where each channel's 4 y is at least the largest 4 y (1 - F0): the columns of Schlick's F are then those of one
@@ -110,7 +113,7 @@ class Sum:
             base = np.ones(3) if weight == 0 else 1 - c / weight
             colour = a - weight * base
             if self.weights == 3:
-                weight, base, colour = a + c, a / np.maximum(a + c, 1e-12), np.zeros(3)  # type: ignore[assignment]
+                weight, base, colour = a + c, a / np.maximum(a + c, 1e-12), np.zeros(3)
                 exact = False
             elif (colour < -1e-12 * weight).any():
                 weight, exact = float(c.mean()), False  # the mean is nearer
@@ -123,7 +126,7 @@ class Sum:
 
 
 class Free:
-    """The fit's own columns, for targets that colour both ends of Schlick's F: x, and of each lobe ln sigma, 4 y F0, 4 y (1 - F0)."""
+    """The fit's own columns, for targets that colour both ends of F: x, and of each lobe ln sigma, 4 y F0, 4 y (1 - F0)."""
 
     def __init__(self, target: Target, distributions: tuple[str, ...]) -> None:
         self.target, self.distributions = target, distributions
@@ -150,33 +153,33 @@ class Free:
 
 
 class Conductors:
-    """pbrt: x, and of each lobe ln sigma, weight, base, eta."""
+    """pbrt: x, and of each lobe ln sigma, weight, base, eta: 3 + 8 P."""
 
     def __init__(self, target: Target, distributions: tuple[str, ...]) -> None:
         self.target, self.count = target, len(distributions)
-        self.low = np.array([0.0] * 3 + [np.log(SIGMA_LEAST), 0, 0, 0, 0, 1] * self.count)
-        self.high = np.array([1.0] * 3 + [np.log(target.sigma), 1, 0.999, 0.999, 0.999, ETA_MOST] * self.count)
+        self.low = np.array([0.0] * 3 + [np.log(SIGMA_LEAST), 0, 0, 0, 0, 1, 1, 1] * self.count)
+        self.high = np.array([1.0] * 3 + [np.log(target.sigma), 1, 0.999, 0.999, 0.999, *[ETA_MOST] * 3] * self.count)
 
     def values(self, p: Floats, a: m.Angles) -> Floats:
         out = np.multiply.outer(m.lambert(a), p[:3])
-        for row in p[3:].reshape(-1, 6):
+        for row in p[3:].reshape(-1, 8):
             g = m.lobe("ggx", self.target.masking, float(np.exp(row[0])), a)
-            out = out + row[1] * g[:, None] * m.conductor(row[5], m.extinction(row[5], row[2:5]), a.vh)
+            out = out + row[1] * g[:, None] * m.conductor(row[5:], m.extinction(row[5:], row[2:5]), a.vh)
         return out
 
     def total(self, p: Floats) -> float:
-        return float(p[:3].max() + p[3:].reshape(-1, 6)[:, 1].sum())
+        return float(p[:3].max() + p[3:].reshape(-1, 8)[:, 1].sum())
 
     def scaled(self, p: Floats, by: float) -> Floats:
         out = p.copy()
         out[:3] *= by
-        out[3:].reshape(-1, 6)[:, 1] *= by
-        return out
+        out[3:].reshape(-1, 8)[:, 1] *= by
+        return np.asarray(out)
 
     def starts(self, fit: Fit, chosen: list[int]) -> tuple[list[Floats], bool]:
         x, plain, grazing = coefficients(fit, chosen)
         rows = [x]
         for sigma, a, c in zip(fit.sigma, plain, grazing):
             weight = max(float((a + c).max()) if fit.fresnel == "none" else float((a + c).mean()), 1e-9)
-            rows.append(np.concatenate([[np.log(sigma), weight], a / weight, [1.0]]))
+            rows.append(np.concatenate([[np.log(sigma), weight], a / weight, np.ones(3)]))
         return [np.clip(np.concatenate(rows), self.low, self.high)], False

@@ -39,7 +39,7 @@ def _mitsuba_lobe(one: Lobe) -> list[_Part]:
     elif most > 0:
         out.append(_Part(most, '<bsdf type="roughconductor">%s<rgb name="eta" value="%s"/><rgb name="k" value="%s"/>'
                                '<rgb name="specular_reflectance" value="%s"/></bsdf>' % (
-                                   rough, numbers(np.full(3, one.eta)), numbers(one.k), numbers(one.weight / most))))
+                                   rough, numbers(one.eta), numbers(one.k), numbers(one.weight / most))))
     return out
 
 
@@ -64,9 +64,10 @@ def mitsuba(space: Sum, p: Floats, name: str) -> str:
 
 def pbrt(space: Conductors, p: Floats, name: str) -> str:
     """MakeNamedMaterial lines; the last is the material."""
-    parts = [(float(row[1]), '"string type" "conductor" "rgb eta" [ %s ] "rgb k" [ %s ] "float roughness" %.9g "bool remaproughness" false'
-              % (numbers(np.full(3, row[5])), numbers(extinction(row[5], row[2:5])), math.exp(row[0])))
-             for row in p[3:].reshape(-1, 6)]
+    parts = [(float(row[1]), '"string type" "conductor" "rgb eta" [ %s ] "rgb k" [ %s ] "float roughness" %.9g '
+              '"bool remaproughness" false' % (
+                  numbers(row[5:]), numbers(extinction(row[5:], row[2:5])), math.exp(row[0])))
+             for row in p[3:].reshape(-1, 8)]
     left = max(0.0, 1 - sum(share for share, _ in parts))
     colour = p[:3] / left if left > 0 else np.zeros(3)
     parts.append((left, '"string type" "diffuse" "rgb reflectance" [ %s ]' % numbers(np.minimum(colour, 1))))
@@ -102,9 +103,17 @@ def nodes(space: Sum, p: Floats) -> list[dict[str, Any]]:
             out.append({"node": "Metallic", **rough, "fresnel_type": "F82", "Base Color": _list(one.base),
                         "Edge Tint": [1.0, 1.0, 1.0], "share": float(one.weight[0])})
         elif one.weight.max() > 0:
-            out.append({"node": "Metallic", **rough, "fresnel_type": "PHYSICAL_CONDUCTOR", "IOR": [one.eta] * 3,
-                        "Extinction": _list(one.k), "share": float(one.weight[0])})
+            out += [{"node": "Metallic", **rough, "fresnel_type": "PHYSICAL_CONDUCTOR", "IOR": _list(np.where(seen, one.eta, 1)),
+                     "Extinction": _list(np.where(seen, one.k, 0)), "share": share} for seen, share in _weights(one.weight)]
     return out
+
+
+def _weights(weight: Floats) -> list[tuple[Floats, float]]:
+    """Channels that have one weight, as 0 and 1, and the weight. With eta 1 and k 0 a channel reflects nothing, so that others'
+    weights do not touch it."""
+    if np.ptp(weight) == 0:
+        return [(np.ones(3), float(weight[0]))]
+    return [(one, float("%.9g" % share)) for one, share in zip(np.eye(3), weight) if share > 0]
 
 
 def _list(values: Floats) -> list[float]:

@@ -14,11 +14,11 @@ import numpy.typing as npt
 
 from .._arrays import Floats
 from ..errors import FileError
-from .fitted import Fit
 from ..merl import MerlTable, cell_directions
+from .fitted import Fit
 
 _MERL = (90, 90, 180)
-_RGL = (16, 48, 96)  # angles of light, azimuths, tilts
+_RGL = (16, 72, 72)  # angles of light, azimuths, tilts: readers want the last two alike
 
 
 def merl(fit: Fit, chosen: list[int], path: str) -> None:

@@ -1,11 +1,10 @@
 """What an export says of itself, in its file and on the screen. SPDX-License-Identifier: MIT"""
 from __future__ import annotations
 
-from .fitted import Fit
 from .conventions import Target
+from .fitted import Fit
 from .refit import Shown
 from .spaces import Sum
-
 
 SAME = 1e-5  # relative RMS: values that differ by less are the same
 
