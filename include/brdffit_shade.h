@@ -81,6 +81,31 @@ struct brdffit_shade_description {
     const double *x_more; /* K x 1 (Oren-Nayar) or 2 (Burley), or NULL */
 };
 
+#ifdef BRDFFIT_H
+/* Of a result's model, whose arrays it points to; brdffit.h has to be included before this. */
+static inline struct brdffit_shade_description brdffit_shade_of_model(const brdffit_model *model)
+{
+    struct brdffit_shade_description d;
+    int p;
+
+    d.lobes = model->lobes;
+    d.channels = (int)model->channels;
+    for (p = 0; p < BRDFFIT_SHADE_LOBES; p++) {
+        d.distribution[p] = (int)(model->distributions && p < model->lobes ? model->distributions[p]
+                                                                           : model->distribution);
+    }
+    d.masking = (int)model->masking;
+    d.diffuse = (int)model->diffuse;
+    d.schlick = model->fresnel == BRDFFIT_FRESNEL_SCHLICK;
+    d.sigma = model->sigma;
+    d.x = model->x;
+    d.y = model->y;
+    d.f0 = model->f0;
+    d.x_more = model->x_more;
+    return d;
+}
+#endif
+
 #define SHADE_INLINE BRDFFIT_SHADE_INLINE
 #define SHADE_FUNCTION static inline
 #define SHADE_JOIN2(name, end) brdffit_shade_##name##_##end

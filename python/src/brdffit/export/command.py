@@ -74,3 +74,7 @@ def _read(path: str, select: int | None) -> Fit:
     if select is not None and not 1 <= select <= len(lines):
         raise DataError("there is no fit %d among %d" % (select, len(lines)), code="format", path=path)
     return Fit.from_json(lines[(select or 1) - 1])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -79,13 +79,15 @@ def _spaces(target: Target, distributions: tuple[str, ...]) -> Iterator[Space]:
 
 
 def _bases(fit: Fit, target: Target, at: Places, again: Again) -> Iterator[Iterator[Fit]]:
-    """The fit where the target has its form; forms of the target, with as many lobes, and with another."""
+    """The fit where the target has its form; forms of the target, with as many lobes (of conductors, whose F is always there, from
+    one on), and with another."""
     if _holds(fit, target):
         yield iter([fit])
     fresnel = "schlick" if target.space != "sum" or fit.fresnel == "schlick" else "none"
-    least = min(fit.lobes, target.lobes)
+    least = 1 if target.space == "conductor" else min(fit.lobes, target.lobes)
     # Without a measurement, a lobe that is there for the difference of two formulas is worth nothing.
-    for lobes in range(least, max(least, min(2, target.lobes) if at.measured else 0) + 1):
+    most = min(target.lobes, max(fit.lobes, 2 if at.measured else 1))
+    for lobes in range(least, most + 1):
         yield (one for distribution in target.distributions
                for one in _fits(at.samples, fit, target, distribution, lobes, fresnel, again))
 

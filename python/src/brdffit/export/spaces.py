@@ -177,9 +177,15 @@ class Conductors:
         return np.asarray(out)
 
     def starts(self, fit: Fit, chosen: list[int]) -> tuple[list[Floats], bool]:
+        """With eta 1 and 4 y as the weight; as dielectrics; and with all of the weight."""
         x, plain, grazing = coefficients(fit, chosen)
-        rows = [x]
+        rows: list[list[Floats]] = [[x], [x], [x]]
         for sigma, a, c in zip(fit.sigma, plain, grazing):
-            weight = max(float((a + c).max()) if fit.fresnel == "none" else float((a + c).mean()), 1e-9)
-            rows.append(np.concatenate([[np.log(sigma), weight], a / weight, np.ones(3)]))
-        return [np.clip(np.concatenate(rows), self.low, self.high)], False
+            total = np.maximum(a + c, 1e-9)
+            weight = float(total.max()) if fit.fresnel == "none" else float(total.mean())
+            root = np.sqrt(np.clip(a / total, 1e-4, 0.2))
+            ones = np.ones(3)
+            rows[0].append(np.concatenate([[np.log(sigma), weight], a / weight, ones]))
+            rows[1].append(np.concatenate([[np.log(sigma), weight], 0 * a, (1 + root) / (1 - root)]))
+            rows[2].append(np.concatenate([[np.log(sigma), 0.9 / len(fit.sigma)], a * len(fit.sigma), ones]))
+        return [np.clip(np.concatenate(row), self.low, self.high) for row in rows], False
