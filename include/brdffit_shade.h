@@ -82,7 +82,8 @@ struct brdffit_shade_description {
 };
 
 #ifdef BRDFFIT_H
-/* Of a result's model, whose arrays it points to; brdffit.h has to be included before this. */
+/* Of a result's model, whose arrays it points to; brdffit.h has to be included before this. Anisotropic lobes are not here yet:
+ * a description of one has no lobes, and brdffit_shade_make refuses it. */
 static inline struct brdffit_shade_description brdffit_shade_of_model(const brdffit_model *model)
 {
     struct brdffit_shade_description d;
@@ -93,6 +94,9 @@ static inline struct brdffit_shade_description brdffit_shade_of_model(const brdf
     for (p = 0; p < BRDFFIT_SHADE_LOBES; p++) {
         d.distribution[p] = (int)(model->distributions && p < model->lobes ? model->distributions[p]
                                                                            : model->distribution);
+    }
+    for (p = 0; model->anisotropy && p < model->lobes; p++) {
+        d.lobes = model->anisotropy[p] == 1.0 ? d.lobes : 0;
     }
     d.masking = (int)model->masking;
     d.diffuse = (int)model->diffuse;

@@ -430,8 +430,11 @@ static void test_furnace(void **state)
 static void test_refused(void **state)
 {
     static const double sigma[] = {0.3, 0.3, 0.3}, bad[] = {NAN};
+    static const double stretched[] = {0.5};
     static struct brdffit_shade_f model;
     struct brdffit_shade_description d = one_lobe(0, 0, sigma);
+    brdffit_distribution kinds[3];
+    brdffit_model m;
 
     (void)state;
     assert_int_equal(brdffit_shade_make_f(&model, &d), 1);
@@ -444,6 +447,11 @@ static void test_refused(void **state)
     d = one_lobe(0, 0, sigma);
     d.schlick = 1;
     d.f0 = NULL;
+    assert_int_equal(brdffit_shade_make_f(&model, &d), 0);
+    d = one_lobe(0, 0, sigma);
+    m = same_model(&d, kinds);
+    m.anisotropy = stretched;
+    d = brdffit_shade_of_model(&m);
     assert_int_equal(brdffit_shade_make_f(&model, &d), 0);
     assert_int_equal(BRDFFIT_SHADE_DISTRIBUTIONS, BRDFFIT_DISTRIBUTION_COUNT);
     assert_int_equal(BRDFFIT_SHADE_RETRO, BRDFFIT_RETRO);

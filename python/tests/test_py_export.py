@@ -241,6 +241,22 @@ def test_two_lobes_become_one(tmp_path):
     assert made.fit_error < made.error < 1
 
 
+def test_anisotropic_lobes_are_told(tmp_path):
+    """No target has them yet: a material is fitted again, as an isotropic one; functions and tables are refused."""
+    light, view = pairs()
+    base = model(masking="v-cavity", anisotropy=[0.5], tangent_angle=[0.0])
+    values = base.predict(light, view, quantity="brdf")
+    samples = brdffit.Samples.from_arrays(light, view, values)
+    made = base.export("materialx", tmp_path / "one.mtlx", samples=samples)
+    assert not made.exact and made.fit_error < 1e-12 < 0.01 < made.error
+    turn = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])  # the same surface, told with its tangent
+    turned = brdffit.Samples.from_arrays(light @ turn.T, view @ turn.T, values, tangent=turn @ [1.0, 0, 0])
+    assert abs(base.export("materialx", tmp_path / "one.mtlx", samples=turned).error - made.error) < 1e-6
+    for target in ("glsl", "merl"):
+        with pytest.raises(brdffit.UnsupportedError, match="anisotropic"):
+            base.export(target, tmp_path / "one")
+
+
 def test_channels(tmp_path):
     grey = model(channels=["white"], channel_scale=[1.0], x=[0.3], y=[0.2])
     made = grey.export("materialx", tmp_path / "grey.mtlx")

@@ -9,14 +9,14 @@ import os
 import re
 
 from .._arguments import Path
-from ..errors import OptionError
+from ..errors import OptionError, UnsupportedError
 from ..samples import Samples
 from . import graphs, scenes, shaders, sums, tables
 from .conventions import TARGETS, Target
 from .fitted import Fit
 from .places import channels, places
 from .principled import Gltf, OpenPbr, Usd
-from .refit import Again, Shown, shown
+from .refit import Again, Shown, shown, stretched
 from .spaces import Conductors, Free, Sum
 from .words import lines
 
@@ -54,6 +54,9 @@ def export(fit: Fit, target: str, path: Path, samples: Samples | None, names: tu
     if scene and target not in ("mitsuba", "blender"):
         raise OptionError("a scene can be had for mitsuba and blender, not for %s" % target, code="option")
     to, file = TARGETS[target], os.fspath(path)
+    if to.space in ("code", "table") and stretched(fit):
+        raise UnsupportedError("the fit has an anisotropic lobe, which %s has not; fit without --anisotropic (anisotropic=)" % (
+            to.title), code="unsupported")
     chosen = channels(fit, names)
     at = places(fit, samples, chosen)
     found = None if to.space in ("code", "table") else shown(fit, to, at, chosen, again)
@@ -77,6 +80,8 @@ def _text(fit: Fit, to: Target, found: Shown | None, chosen: list[int], name: st
     space, p = found.space, found.parameters
     if to.name == "osl":
         assert isinstance(space, Free)
+        if stretched(fit):  # the closures' own isotropic lobes
+            return "/* %s */\n%s" % ("\n * ".join(said), shaders.closures(space, p, name))
         return shaders.code(fit, chosen, "osl", said) + "\n" + shaders.closures(space, p, name)
     if isinstance(space, Sum):
         if to.name == "mitsuba":

@@ -73,10 +73,10 @@ def directions(samples: Samples) -> tuple[Floats, Floats]:
     if samples.form == "directions":
         assert samples.light is not None and samples.view is not None
         light, view = _unit(samples.light), _unit(samples.view)
-        if samples.normal is None:
+        if samples.normal is None and samples.tangent is None:
             return light, view
-        n = _unit(samples.normal)
-        return _turned(n, light), _turned(n, view)
+        n = np.broadcast_to([0.0, 0.0, 1.0], light.shape) if samples.normal is None else _unit(samples.normal)
+        return _turned(n, samples.tangent, light), _turned(n, samples.tangent, view)
     assert samples.cos_light is not None and samples.cos_view is not None and samples.cos_difference is not None
     nl, nv = samples.cos_light, samples.cos_view
     sl, sv = np.sqrt(np.maximum(0, 1 - nl ** 2)), np.sqrt(np.maximum(0, 1 - nv ** 2))
@@ -89,10 +89,10 @@ def _unit(vectors: Floats) -> Floats:
     return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
 
 
-def _turned(n: Floats, d: Floats) -> Floats:
-    """d in a frame whose +z is n."""
-    helper = np.where(np.abs(n[:, :1]) < 0.5, [[1.0, 0, 0]], [[0, 1.0, 0]])
-    x = _unit(np.cross(helper, n))
+def _turned(n: Floats, tangent: Floats | None, d: Floats) -> Floats:
+    """d in a frame whose +z is n, and whose +x is along the tangent, or anywhere."""
+    helper = np.where(np.abs(n[:, :1]) < 0.5, [[1.0, 0, 0]], [[0, 1.0, 0]]) if tangent is None else tangent
+    x = _unit(helper - (helper * n).sum(1, keepdims=True) * n)
     return np.stack([(x * d).sum(1), (np.cross(n, x) * d).sum(1), (n * d).sum(1)], 1)
 
 

@@ -105,9 +105,14 @@ def _fits(samples: Samples, fit: Fit, target: Target, distribution: str, lobes: 
         return
 
 
+def stretched(fit: Fit) -> bool:
+    """Whether it has an anisotropic lobe: no target is given one yet."""
+    return fit.anisotropy is not None and bool((np.asarray(fit.anisotropy) != 1).any())
+
+
 def _holds(fit: Fit, target: Target) -> bool:
-    return (all(name in target.distributions for name in fit.distributions) and fit.masking == target.masking and
-            fit.lobes <= target.lobes and fit.diffuse in ("lambert", "none") and
+    return (not stretched(fit) and all(name in target.distributions for name in fit.distributions) and
+            fit.masking == target.masking and fit.lobes <= target.lobes and fit.diffuse in ("lambert", "none") and
             bool((np.asarray(fit.sigma) <= target.sigma).all()))
 
 
