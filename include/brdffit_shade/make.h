@@ -47,7 +47,8 @@ static inline int FN(copy)(struct SHADE_MODEL *m, const struct brdffit_shade_des
     return good;
 }
 
-/* Albedos of the columns of component p (the diffuse term is the last) for one viewer. */
+/* Albedos of the columns of component p (the diffuse term is the last) for one viewer; of a lobe also the share of its draws
+ * that are above the surface. */
 static inline void FN(integrate)(const struct SHADE_MODEL *m, int p, struct FN(direction) v, REAL sum[3])
 {
     int i, n = BRDFFIT_SHADE_POINTS, f;
@@ -70,6 +71,7 @@ static inline void FN(integrate)(const struct SHADE_MODEL *m, int p, struct FN(d
             }
             continue;
         }
+        sum[2] += step;
         density = FN(lobe_pdf)(m->lobe[p].distribution, m->lobe[p].s, a);
         g = density > LIT(0.0)
                 ? FN(lobe_at)(m->lobe[p].distribution, m->lobe[p].masking, m->lobe[p].s, a) / density / (REAL)n
@@ -79,8 +81,12 @@ static inline void FN(integrate)(const struct SHADE_MODEL *m, int p, struct FN(d
     }
 }
 
-/* What each component reflects to a viewer, summed over channels: its share of the draws. */
-static inline void FN(divide)(struct SHADE_MODEL *m, int node)
+/*
+ * What each component reflects to a viewer, summed over channels, is its share of the draws; of lobes that lose draws below the
+ * surface less of it, for such draws are what makes estimates vary. The square is near the best power: of GGX lobes beside
+ * Lambert's term it is within a tenth of the least variance up to sigma 0.3, and better than the albedo alone beyond.
+ */
+static inline void FN(divide)(struct SHADE_MODEL *m, int node, const REAL above[])
 {
     REAL part[BRDFFIT_SHADE_LOBES + 1], all = LIT(0.0);
     int p, k, f;
@@ -96,6 +102,7 @@ static inline void FN(divide)(struct SHADE_MODEL *m, int node)
                 part[p] += m->x[f][k] * m->albedo[f][node];
             }
         }
+        part[p] *= above[p] * above[p];
         all += part[p];
     }
     for (p = 0; p <= m->lobes; p++) {
@@ -114,6 +121,7 @@ static inline int FN(make)(struct SHADE_MODEL *m, const struct brdffit_shade_des
     }
     for (node = 0; node < BRDFFIT_SHADE_NODES; node++) {
         REAL root = (REAL)node / (REAL)(BRDFFIT_SHADE_NODES - 1), cosine = LIT(1.0) - root * root, sum[3];
+        REAL above[BRDFFIT_SHADE_LOBES + 1];
         struct FN(direction) v;
 
         cosine = cosine > LIT(0.002) ? cosine : LIT(0.002);
@@ -126,8 +134,9 @@ static inline int FN(make)(struct SHADE_MODEL *m, const struct brdffit_shade_des
             if (p == m->lobes) {
                 m->albedo[2][node] = sum[2];
             }
+            above[p] = p < m->lobes ? sum[2] : LIT(1.0);
         }
-        FN(divide)(m, node);
+        FN(divide)(m, node, above);
     }
     return 1;
 }
