@@ -153,6 +153,7 @@ help:
 	@echo 'make bench [DATA="dir ..."] [QUICK=1]   run time against error, beside every peer'
 	@echo 'make paper DATA=dir [STARTS=100]   the paper'\''s experiments on MERL or CSV files'
 	@echo 'make stress      strained problems against 50-digit references (RESULTS=file.md: a table there)'
+	@echo 'make export-errors DATA="dir ..."   what renderers make of measured materials, by target'
 	@echo 'make clean       remove what was built; keeps downloads'
 	@echo 'make distclean   remove $(BUILD)/ whole'
 	@echo
@@ -301,6 +302,9 @@ $(OBJ)/tests/%.o: tests/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 $(OBJ)/no_ecos/tests/%.o: tests/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 	$(compile_test)
 
+# Packets of brdffit_shade.h, as a renderer would compile them.
+$(OBJ)/tools/bench/bench_shade.o: EXTRA = -O3 $(if $(filter -DBRDFFIT_HAVE_AVX2,$(ISA_FLAGS)),$(AVX2_FLAGS))
+
 # Tools and examples see the public headers only.
 $(OBJ)/tools/%.o: tools/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 	@mkdir -p $(@D)
@@ -401,11 +405,14 @@ $(BUILD)/%.pc: tools/setup/%.pc.in $(BUILD)/install.flags
 
 # ---- Install -----------------------------------------------------------------
 
-HEADERS := include/brdffit.h include/brdffit_io.h
+HEADERS := include/brdffit.h include/brdffit_io.h include/brdffit_shade.h
+SHADE_HEADERS := $(sort $(wildcard include/brdffit_shade/*.h))
 
 install: all
 	$(INSTALL) -d '$(DESTDIR)$(bindir)' '$(DESTDIR)$(libdir)' '$(DESTDIR)$(includedir)' '$(DESTDIR)$(pkgconfigdir)'
 	$(INSTALL_DATA) $(HEADERS) '$(DESTDIR)$(includedir)'
+	$(INSTALL) -d '$(DESTDIR)$(includedir)/brdffit_shade'
+	$(INSTALL_DATA) $(SHADE_HEADERS) '$(DESTDIR)$(includedir)/brdffit_shade'
 	$(INSTALL_DATA) $(STATIC) $(STATIC_IO) '$(DESTDIR)$(libdir)'
 	for name in libbrdffit libbrdffit_io; do \
 	    $(INSTALL) -m 755 $(BUILD)/$$name.so.$(VERSION) '$(DESTDIR)$(libdir)' && \
@@ -422,7 +429,8 @@ ifneq ($(MANUALS),)
 endif
 
 uninstall:
-	rm -f $(HEADERS:include/%='$(DESTDIR)$(includedir)'/%)
+	rm -f $(HEADERS:include/%='$(DESTDIR)$(includedir)'/%) $(SHADE_HEADERS:include/%='$(DESTDIR)$(includedir)'/%)
+	-rmdir '$(DESTDIR)$(includedir)/brdffit_shade' 2> /dev/null
 	for name in libbrdffit libbrdffit_io; do \
 	    for end in a so so.$(SOVERSION) so.$(VERSION); do rm -f '$(DESTDIR)$(libdir)'/$$name.$$end; done; \
 	done
@@ -561,7 +569,7 @@ distclean:
 	rm -rf $(BUILD) python/src/brdffit/_lib
 
 # In this order. The Python package's sdist has none of them: it builds the library only.
-include $(wildcard tools/bench/peers.mk) $(wildcard tools/bench/bench.mk) $(wildcard tools/stress/stress.mk) $(wildcard tests/fuzz/fuzz.mk) $(wildcard tests/faults/faults.mk)
+include $(wildcard tools/bench/peers.mk) $(wildcard tools/bench/bench.mk) $(wildcard tools/stress/stress.mk) $(wildcard tests/fuzz/fuzz.mk) $(wildcard tests/faults/faults.mk) $(wildcard tools/export/export.mk)
 
 -include $(wildcard $(foreach tree,$(sort $(OBJ) $(ASKING_OBJ)),$(tree)/src/*/*.d $(tree)/src/*/*/*.d $(tree)/tests/*.d $(tree)/tests/*/*.d))
 -include $(wildcard $(OBJ)/tools/*/*.d $(OBJ)/examples/*.d)
