@@ -27,7 +27,8 @@ SRC = ROOT / "src"
 LEFT_OUT = re.compile(r"(_avx2|_avx512)\.c$|^io/|^bound/(socp|lp)/|^solve/conic/|^solve/(l1_linf|simplex\w*)\.c$")
 
 # What can be left out, as the limit of a number of columns (kernels/kernels.h).
-FEATURES = {"anisotropic": "BRDFFIT_WITHOUT_ANISOTROPIC", "fresnel": "BRDFFIT_WITHOUT_FRESNEL", "diffuse": "BRDFFIT_WITHOUT_DIFFUSE", "masking": "BRDFFIT_WITHOUT_MASKING"}
+FEATURES = {"anisotropic": "BRDFFIT_WITHOUT_ANISOTROPIC", "fresnel": "BRDFFIT_WITHOUT_FRESNEL",
+            "diffuse": "BRDFFIT_WITHOUT_DIFFUSE", "masking": "BRDFFIT_WITHOUT_MASKING"}
 
 TOKEN = re.compile(r'\b(?:struct|enum|union)\s+[A-Za-z_]\w*'
                    r'|//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|\.\s*[A-Za-z_]\w*|->\s*[A-Za-z_]\w*'
