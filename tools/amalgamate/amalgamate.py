@@ -167,7 +167,8 @@ class Amalgamation:
                 + '#include "brdffit.h"\n#pragma GCC diagnostic ignored "-Wunused-function"\n'
                 '#ifndef __clang__\n#pragma GCC diagnostic ignored "-Wpsabi"\n'
                 '/* What a copy with fewer lobes or columns never reaches. */\n'
-                '#pragma GCC diagnostic ignored "-Warray-bounds"\n#endif\n')
+                '#pragma GCC diagnostic ignored "-Warray-bounds"\n'
+                '#pragma GCC diagnostic ignored "-Waggressive-loop-optimizations"\n#endif\n')
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "brdffit.c").write_text(head + "".join(self.out), encoding="utf-8")
         (folder / "brdffit.h").write_text(
