@@ -58,7 +58,7 @@ BRDFFIT_SHADE_INLINE float brdffit_shade_expf(float x)
 /* x = 2^n (1 + f), 1 + f in [sqrt(1/2), sqrt 2). x must be a positive normal number. */
 BRDFFIT_SHADE_INLINE float brdffit_shade_logf(float x)
 {
-    int32_t bits = brdffit_shade_bits_of_float(x), n = (bits - 0x3f3504f3) >> 23;
+    int32_t bits = brdffit_shade_bits_of_float(x), n = (int32_t)((uint32_t)bits - 0x3f3504f3u) >> 23;
     float f = brdffit_shade_float_of_bits(bits - (int32_t)((uint32_t)n << 23)) - 1.0f, k = (float)n, z = f * f, p;
 
     p = 7.0376836292e-2f;

@@ -20,14 +20,14 @@ from places import ROOT
 
 
 def model(distribution="ggx", masking="smith", sigma=(0.3,), y=(0.15, 0.12, 0.1), f0=None, x=(0.3, 0.2, 0.1), **members):
-    """A fit made by hand, its coefficients the same for each lobe."""
+    """A fit made by hand, its coefficients the same for each lobe; `from_dict` wants one that can be shown, with a proof."""
     lobes = len(sigma)
     line = {"schema": SCHEMA, "status": "certified", "lobes": lobes, "distribution": distribution, "masking": masking,
             "quantity": "brdf", "channels": ["r", "g", "b"], "channel_scale": [1.0] * 3, "max_incidence": 90.0,
             "sigma": list(sigma), "x": list(x), "y": [[one / lobes] * lobes for one in y]}
     if f0 is not None:
         line |= {"fresnel": "schlick", "f0": [[one] * lobes for one in f0]}
-    return brdffit.Fit.from_dict(line | members)
+    return brdffit.Fit._of_members(line | members)
 
 
 def pairs(count=400, seed=3):

@@ -103,7 +103,7 @@ def predict(light, view, sigma, distribution="ggx", masking="smith-separable", c
     line = {"schema": SCHEMA, "lobes": 1, "distribution": distribution, "masking": masking, "quantity": "radiance",
             "channels": [str(k) for k in range(channels)], "sigma": [float(np.float32(sigma))], "x": [0.0] * channels,
             "y": [[0.25]] * channels}
-    return brdffit.Fit.from_dict(line | members).predict(light, view)
+    return brdffit.Fit._of_members(line | members).predict(light, view)
 
 
 def render(mi, description, light, view):
@@ -282,7 +282,7 @@ def test_what_mitsuba_renders_is_found_again(mi):
 
 @pytest.mark.parametrize("lobes", [["ggx"], ["ggx", "ggx"], ["ggx", "beckmann"]])
 def test_a_fit_as_a_material(mi, lobes, tmp_path):
-    fit = brdffit.Fit.from_dict({
+    fit = brdffit.Fit._of_members({
         "schema": SCHEMA, "lobes": len(lobes), "distributions": lobes, "masking": "smith-separable", "quantity": "radiance",
         "channels": ["r", "g", "b"], "sigma": [0.1, 0.5][:len(lobes)], "x": [0.3, 0.2, 0.0],
         "y": np.array([[0.02, 0.1], [0.03, 0.05], [0.01, 0.02]])[:, :len(lobes)], "channel_scale": [1.0] * 3,
