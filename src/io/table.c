@@ -3,7 +3,9 @@
  */
 #include "io/table.h"
 
+#include <stdarg.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/intake.h"
@@ -102,6 +104,56 @@ void brdffit_io_table_publish(struct io_table *table)
     samples->values = table->array[IO_VALUES];
 }
 
+/* Room for one more note and its text; NULL: no memory. */
+static char *note_room(struct io_table *table, size_t size)
+{
+    brdffit_io_note *more =
+        brdffit_io_resize(table->notes, table->open.note_count + 1, sizeof *table->notes);
+    char *text;
+
+    if (!more) {
+        return NULL;
+    }
+    table->notes = more;
+    table->open.notes = more;
+    text = brdffit_io_alloc(size, 1);
+    if (text) {
+        more[table->open.note_count].text = text;
+        more[table->open.note_count++].warning = 0;
+    }
+    return text;
+}
+
+void brdffit_io_table_note(struct io_table *table, int warning, const char *format, ...)
+{
+    va_list arguments;
+    char *text;
+    int length;
+
+    va_start(arguments, format);
+    length = vsnprintf(NULL, 0, format, arguments);
+    va_end(arguments);
+    text = length < 0 ? NULL : note_room(table, (size_t)length + 1);
+    if (!text) {
+        table->notes_failed = 1;
+        return;
+    }
+    va_start(arguments, format);
+    (void)vsnprintf(text, (size_t)length + 1, format, arguments);
+    va_end(arguments);
+    table->notes[table->open.note_count - 1].warning = (size_t)warning;
+}
+
+static void free_notes(struct io_table *table)
+{
+    size_t i;
+
+    for (i = 0; i < table->open.note_count; i++) {
+        brdffit_io_release((void *)(uintptr_t)table->notes[i].text);
+    }
+    brdffit_io_release(table->notes);
+}
+
 void brdffit_io_table_drop_sums(struct io_table *table)
 {
     brdffit_io_release(table->sums_memory);
@@ -126,6 +178,7 @@ void brdffit_io_free(brdffit_table *table)
         brdffit_io_release(table->channel_names[i]);
     }
     brdffit_io_table_drop_sums(whole);
+    free_notes(whole);
     brdffit_io_release(table->channel_names);
     brdffit_io_release(table->lines);
     brdffit_io_release(whole);
