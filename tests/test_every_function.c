@@ -183,6 +183,15 @@ static void call_fits(const brdffit_samples *samples)
     STATUS(brdffit_eval, r->model, samples, out, NULL);
     keep(out, sizeof out);
     {
+        double r2[CHANNELS], total[3];
+        unsigned misfit = 0;
+
+        STATUS(brdffit_quality, samples, &o, out, r2, total, &misfit, NULL);
+        keep(r2, sizeof r2);
+        keep(total, sizeof total);
+        keep(&misfit, sizeof misfit);
+    }
+    {
         brdffit_options fresnel = o;
         double low[CHANNELS * BRDFFIT_MAX_LOBES] = {0.0}, high[CHANNELS * BRDFFIT_MAX_LOBES] = {0.0};
         const brdffit_result *schlick;

@@ -194,15 +194,15 @@ static void test_lines_are_the_files(void **state)
 
 static void test_channel_names(void **state)
 {
-    brdffit_table *table = io_good("theta_i;theta_o;\"I(0,5) \"\"x\"\"; y\";\xce\xbb 550 nm ;R;theta_i_rad\n"
-                                   "1;2;3;4;5;6\n");
+    brdffit_table *table = io_good("theta_i;theta_o;\"I(0,5) \"\"x\"\"; y\";\xce\xbb 550 nm ;R;"
+                                   "nir\n1;2;3;4;5;6\n");
 
     (void)state;
     assert_int_equal(table->samples->channels, 4);
     assert_string_equal(table->channel_names[0], "I(0,5) \"x\"; y");
     assert_string_equal(table->channel_names[1], "\xce\xbb 550 nm");
     assert_string_equal(table->channel_names[2], "R");
-    assert_string_equal(table->channel_names[3], "theta_i_rad");
+    assert_string_equal(table->channel_names[3], "nir");
     brdffit_io_free(table);
 }
 

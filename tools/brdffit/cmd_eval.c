@@ -9,6 +9,7 @@
 
 #include "eval_table.h"
 #include "failure.h"
+#include "reading.h"
 #include "weigh.h"
 #include "words.h"
 
@@ -39,25 +40,38 @@ void brdffit_cli_eval_help(void)
     brdffit_cli_text_free(&text);
 }
 
+/* How the line says that its file was read, under what is asked for now. */
+static struct cli_settings as_the_fit(const struct cli_settings *settings, const struct cli_fit *fit)
+{
+    struct cli_settings read = *settings;
+    read.values = settings->values == CLI_UNSET ? fit->quantity : settings->values;
+    read.channels = settings->channels == NULL ? fit->channels : settings->channels;
+    read.columns = settings->columns == NULL ? fit->columns : settings->columns;
+    read.missing = settings->missing == NULL ? fit->missing : settings->missing;
+    read.directions = settings->directions == NULL ? fit->directions : settings->directions;
+    read.saturated = settings->saturated > 0 ? settings->saturated : fit->saturated;
+    return read;
+}
+
 static int read_table(const struct cli_settings *settings, const struct cli_fit *fit, const char *path,
                       brdffit_table **table)
 {
     brdffit_io_options options;
     brdffit_error error = {0};
-    brdffit_cli_io_options(settings, &options);
-    if (settings->values == CLI_UNSET && fit->quantity != CLI_UNSET) {
-        options.quantity_set = 1;
-        options.quantity = (brdffit_quantity)fit->quantity;
-    }
+    const struct cli_settings read = as_the_fit(settings, fit);
+    brdffit_cli_io_options(&read, &options);
     options.merl_bins = (brdffit_io_merl_bins)fit->merl_bins;
     options.merl_sampling = (brdffit_io_merl_sampling)fit->merl_sampling;
     options.directions_only = 1;
     if (fit->merl_sampling == BRDFFIT_IO_MERL_DIRECTIONS) {
-        options.directions = &fit->directions;
+        options.directions = &fit->merl_directions;
     }
     errno = 0;
     const brdffit_status status = brdffit_io_read(path, &options, table, &error);
     if (status == BRDFFIT_OK) {
+        if (!settings->quiet) {
+            brdffit_cli_say_notes(path, *table, 1);
+        }
         return 0;
     }
     brdffit_cli_report_error(path, &error, NULL, errno);

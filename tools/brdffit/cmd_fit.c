@@ -12,6 +12,7 @@
 #include "lobes_auto.h"
 #include "models.h"
 #include "output.h"
+#include "reading.h"
 #include "report.h"
 
 struct run {
@@ -73,6 +74,9 @@ static int publish(struct run *r, const struct cli_job *job)
     const int fitted = job->status == BRDFFIT_OK && !job->not_begun;
     if (!fitted && !job->not_begun) {
         brdffit_cli_report_error(job->path, &job->error, job->table, job->system_error);
+    }
+    if (job->table != NULL && !r->settings->quiet) {
+        brdffit_cli_say_notes(job->path, job->table, r->settings->json || !fitted);
     }
     if (fitted && job->result->stop == BRDFFIT_STOP_CONTRADICTION) {
         fprintf(stderr, "brdffit: %s: the proof contradicts the fit: an error in brdffit, nothing is proven\n",

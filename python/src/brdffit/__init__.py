@@ -28,7 +28,7 @@ from .progress import Progress
 from .readers.lp import LightPositions, load_lp
 from .readers.rgl import RGLMaterial, load_rgl
 from .readers.stack import Stack, load_stack
-from .samples import Samples, protocol84
+from .samples import Samples, column_words, protocol84
 
 if TYPE_CHECKING:
     from .regressor import BRDFRegressor

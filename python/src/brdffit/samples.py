@@ -4,6 +4,7 @@ from __future__ import annotations
 import dataclasses
 import weakref
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +17,9 @@ from ._ffi import library
 from ._words import readable
 from .errors import DataError
 from .readers import load
-from .readers.native import protocol84
+from .readers.native import column_words, protocol84
 
-__all__ = ["Samples", "protocol84"]
+__all__ = ["Samples", "column_words", "protocol84"]
 
 _VECTORS = ("light", "view", "normal")
 _ANGLES = ("cos_light", "cos_view", "tan2_half", "cos_difference")
@@ -42,6 +43,8 @@ class Samples(Frozen):
     file: where it came from, or None
     lines: per sample, its line of the text file, or None
     dropped: entries of the file that did not become samples of their own, by reason
+    notes: what was inferred from a text file or left out of it, a sentence each; data_warnings: what looks wrong in it
+    reading: how it was asked to be read, as the JSON of a fit has it, or None
 
     Arrays cannot be written to.
     """
@@ -69,6 +72,9 @@ class Samples(Frozen):
     dropped: Mapping[str, int] = dataclasses.field(default_factory=dict)
     _merl_directions: Floats | None = None
     weighting: str = ""
+    notes: tuple[str, ...] = ()
+    data_warnings: tuple[str, ...] = ()
+    reading: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
         def put(name: str, value: object) -> None:
@@ -153,12 +159,25 @@ class Samples(Frozen):
                    weights=None if weights is None else column("weights", weights, n))
 
     @classmethod
-    def from_csv(cls, path: Path, *, quantity: str | None = None) -> Samples:
+    def from_csv(cls, path: Path, *, quantity: str | None = None, channels: Sequence[str] | None = None,
+                 columns: Mapping[str, str] | None = None, missing: float | str | None = None,
+                 saturated: float | None = None, directions: str | Sequence[str] | None = None) -> Samples:
         """A CSV or TSV file (also .gz). One header line names the columns: theta_i, phi_i, theta_o, phi_o in degrees,
         or lx, ly, lz, vx, vy, vz, or a, b, c; weight; uncertainty (standard deviation of the values, in their units, which
-        becomes a weight); every other column is a channel. `quantity` None: "brdf" for directions, "radiance" for a, b,
-        c."""
-        return cls(**load(path, "csv", quantity=quantity))
+        becomes a weight); other columns of numbers are channels. Names are matched by their words (`column_words`), and what
+        was inferred or left out is in `notes`.
+
+        quantity: "brdf", "radiance", "ccbrdf" (f_r times the viewer's cosine) or "reflectance-factor" (pi f_r), the last two
+            turned into f_r; None: "brdf" for directions, "radiance" for a, b, c
+        channels: these columns are the channels; what means nothing else is left out
+        columns: what columns mean whose names do not say it: {"theta_i": "Incidence", "ignore": "#3"} (the third column)
+        missing: a value that stands for none, "negative" for all below 0, or "none"
+        saturated: samples with a value from there on are left out
+        directions: what they are, of "degrees", "radians", "elevation" (angles above the surface), "mirror-at-0" (azimuths
+            count from the mirror direction), "light-travels" (its vectors point to the surface), "y-up", "as-written"
+        """
+        return cls(**load(path, "csv", quantity=quantity, channels=channels, columns=columns, missing=missing,
+                          saturated=saturated, directions=directions))
 
     @classmethod
     def _places(cls, path: Path, quantity: str | None) -> Samples:

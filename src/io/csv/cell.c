@@ -25,7 +25,7 @@ static int is_missing(const struct io_field *f)
 {
     static const char *const words[] = {"na",   "n/a",     "#n/a",    "#na",   "nan",   "null",    "none",  "nil",    "nd",
                                         "n.d.", "n.a.",    "missing", "-",     "--",    "---",     ".",     "?",      "*",
-                                        "x",    "#div/0!", "#value!", "#ref!", "#num!", "#name?", "#null!", "<null>", "(null)",
+                                        "#div/0!", "#value!", "#ref!", "#num!", "#name?", "#null!", "<null>", "(null)",
                                         "-nan", "+nan",    "#n/d",    "-nan(ind)", "1.#qnan", "1.#ind", "-1.#ind", "nodata", "..."};
     size_t i, j;
 
@@ -57,7 +57,7 @@ static int strip(struct io_field *f, const char *sign)
 /* Digits in groups of three, by blanks, commas, points or apostrophes: not told apart from what was meant. */
 static int is_grouped(const struct io_field *f)
 {
-    size_t i, run = 0, groups = 0;
+    size_t i, run = 0, groups = 0, full = 0; /* groups of three, but for the first */
 
     for (i = f->length > 0 && strchr("+-", f->text[0]) ? 1 : 0; i < f->length; i++) {
         const char c = f->text[i];
@@ -65,13 +65,13 @@ static int is_grouped(const struct io_field *f)
         if (is_digit(c)) {
             run++;
         } else if (c && strchr(" ,.'_", c) && run > 0 && (groups == 0 || run == 3)) {
-            groups++;
+            full += groups++ > 0;
             run = 0;
         } else {
             return 0;
         }
     }
-    return groups > 0 && run > 0;
+    return full + (groups > 0 && run == 3) > 0 && run > 0;
 }
 
 /* With a comma: where it stands, and whether it may part thousands. */

@@ -60,11 +60,11 @@ static brdffit_status fail_cell(const struct row *row, size_t column, size_t cha
 {
     if (cell == IO_CELL_THOUSANDS) {
         return fail_field(row, column, channel, BRDFFIT_ERR_VALUE,
-                          "thousands separators are not read: write the number without them", value);
+                          "thousands separators are not read: write the number without them", 0.0);
     }
     if (cell == IO_CELL_MIXED) {
         return fail_field(row, column, channel, BRDFFIT_ERR_VALUE,
-                          "decimal commas and decimal points in one file: write all numbers one way", value);
+                          "decimal commas and decimal points in one file: write all numbers one way", 0.0);
     }
     return fail_number(row, column, channel, fault, value);
 }

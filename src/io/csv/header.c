@@ -27,6 +27,7 @@ struct search {
     struct io_field first;     /* line of text */
     size_t first_line, texts;
     int numbers; /* a line of numbers has come */
+    int no_memory;
     size_t numbers_line;
 };
 
@@ -143,7 +144,8 @@ static int try_separator(struct search *s, const struct io_field *line, char sep
         *found = layout;
         return 1;
     }
-    if (status == BRDFFIT_OK || score > s->score) {
+    s->no_memory |= status == BRDFFIT_ERR_MEMORY;
+    if (status == BRDFFIT_OK || score > s->score || s->nearest.line == 0) {
         s->nearest = layout;
         s->score = status == BRDFFIT_OK ? (size_t)-1 : score;
         s->after = *s->lines;
@@ -175,7 +177,7 @@ static void try_comment(struct search *s, const struct io_field *line)
 
     if (try_line(s, &inside, &found)) {
         s->comment = found;
-    } else {
+    } else if (!s->no_memory) {
         *s = before;
     }
 }
@@ -185,7 +187,7 @@ static int search_lines(struct search *s, struct csv_layout *found)
 {
     struct io_field line;
 
-    while (s->texts < IO_HEADER_LINES && brdffit_io_any_line(s->lines, &line)) {
+    while (s->texts < IO_HEADER_LINES && !s->no_memory && brdffit_io_any_line(s->lines, &line)) {
         if (brdffit_io_comment(&line)) {
             try_comment(s, &line);
             continue;
@@ -230,11 +232,14 @@ static int has_control(const struct io_field *line)
     return 0;
 }
 
-/* No line comes near: what is there instead? */
+/* What there is instead of a header; BRDFFIT_OK: a line that the layout has to say it of. */
 static brdffit_status fail_search(const struct search *s, brdffit_error *error)
 {
     char list[5];
 
+    if (s->score > 0) {
+        return BRDFFIT_OK;
+    }
     if (s->texts == 0 && !s->numbers) {
         return brdffit_io_fail(error, BRDFFIT_ERR_FORMAT, "there is no header line");
     }
@@ -249,10 +254,7 @@ static brdffit_status fail_search(const struct search *s, brdffit_error *error)
         return fail_line(s, &s->first, s->first_line,
                          "the header has one column: separate columns by comma, semicolon or tab", error);
     }
-    return fail_line(s, &s->first, s->first_line,
-                     "the header names no directions (theta_i,phi_i,theta_o,phi_o or lx,ly,lz,vx,vy,vz or a,b,c; --column "
-                     "theta_i=NAME,... says what others mean)",
-                     error);
+    return BRDFFIT_OK;
 }
 
 /* "sep=;" as Excel understands it: the separator is found without. */
@@ -359,8 +361,9 @@ brdffit_status brdffit_io_csv_header(struct io_lines *lines, struct csv_layout *
         in_comment = s.comment.line > 0;
         *layout = in_comment ? s.comment : s.nearest;
         layout->options = options;
-        if (!in_comment && s.score == 0) {
-            return fail_search(&s, error);
+        status = s.no_memory ? brdffit_io_no_memory(error) : in_comment ? BRDFFIT_OK : fail_search(&s, error);
+        if (status != BRDFFIT_OK) {
+            return status;
         }
         if (!in_comment) {
             *lines = s.after;

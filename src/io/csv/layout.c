@@ -281,7 +281,8 @@ static brdffit_status place_roles(struct csv_layout *layout, brdffit_error *erro
             continue;
         }
         if (brdffit_io_csv_has(layout, layout->meaning[j].role)) {
-            return brdffit_io_layout_fail(layout, j, "this column stands in the header twice", error);
+            return brdffit_io_layout_fail(layout, j, "this column stands in the header twice (--column ignore=NAME leaves one out)",
+                                          error);
         }
         layout->column[layout->meaning[j].role] = j;
     }

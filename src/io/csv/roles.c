@@ -103,6 +103,19 @@ static enum csv_role angle_role(const struct io_words *w, int *elevation)
                                                                                           : polar_role(side);
 }
 
+/* "I x" may be anything: of single letters only l, v and n stand for vectors. */
+static int has_short_side(const struct io_words *w)
+{
+    int i;
+
+    for (i = 0; i < w->count; i++) {
+        if (!w->text[i][1] && w->word[i] >= WORD_LIGHT && w->word[i] <= WORD_HALF && !strchr("lvn", w->text[i][0])) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 /* "lx", "light_dir_y": or CSV_UNKNOWN. */
 static enum csv_role component_role(const struct io_words *w)
 {
@@ -110,7 +123,7 @@ static enum csv_role component_role(const struct io_words *w)
     const enum io_word side = side_of(w);
     const int axis = w->of[WORD_Y] ? 1 : w->of[WORD_Z] ? 2 : 0;
 
-    if (axes != 1 || sides == 0 || axes + sides + w->of[WORD_FILLER] != w->count) {
+    if (axes != 1 || sides == 0 || has_short_side(w) || axes + sides + w->of[WORD_FILLER] != w->count) {
         return CSV_UNKNOWN;
     }
     switch (side) {
@@ -242,6 +255,8 @@ struct csv_meaning brdffit_io_meaning(const struct io_field *name)
         meaning.role = name->length == 1 && name->text[0] == '#' ? CSV_INDEX : CSV_UNKNOWN;
     } else if (words.count <= IO_WORDS_MOST) {
         meaning.role = role_of(&words, &meaning.elevation);
+    } else if (words.of[WORD_POLAR] + words.of[WORD_AZIMUTH] + words.of[WORD_ELEVATION] > 0) {
+        meaning.role = CSV_DIRECTION;
     }
     return meaning;
 }

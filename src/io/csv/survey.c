@@ -94,16 +94,21 @@ static void see_all(struct survey *s, struct io_lines lines, const void *c_local
 
 /* ---- Verdicts ------------------------------------------------------------ */
 
-static void leave_out(struct survey *s, size_t j, const char *why)
+static void leave_out_as(struct survey *s, size_t j, int warning, const char *why)
 {
     char name[IO_QUOTED];
 
     s->layout->meaning[j].role = CSV_IGNORED;
     if (s->layout->names[j].length > 0) {
-        brdffit_io_table_note(s->table, 0, "column %s is left out: %s", brdffit_io_column_name(s->layout, j, name), why);
+        brdffit_io_table_note(s->table, warning, "column %s is left out: %s", brdffit_io_column_name(s->layout, j, name), why);
     } else {
         brdffit_io_table_note(s->table, 0, "column %zu, which has no name, is left out: %s", j + 1, why);
     }
+}
+
+static void leave_out(struct survey *s, size_t j, const char *why)
+{
+    leave_out_as(s, j, 0, why);
 }
 
 /* Refused, unless only directions are wanted. */
@@ -231,7 +236,8 @@ static brdffit_status judge(struct survey *s, size_t j)
     case CSV_INDEX: return judge_index(s, j);
     case CSV_WAVELENGTH: judge_wavelength(s, j); return BRDFFIT_OK;
     case CSV_SPREAD:
-        leave_out(s, j, "it looks like an uncertainty or weight of some kind (--column uncertainty=NAME uses one)");
+        leave_out_as(s, j, !s->columns[j].same,
+                     "it looks like an uncertainty or weight of some kind (--column uncertainty=NAME uses one)");
         return BRDFFIT_OK;
     case CSV_CONDITION: leave_out(s, j, "it is about the measurement, not of it"); return BRDFFIT_OK;
     case CSV_REMARK: leave_out(s, j, "it is a remark"); return BRDFFIT_OK;

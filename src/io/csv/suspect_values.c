@@ -184,7 +184,7 @@ static void note_saturated(struct csv_reader *r)
         char name[IO_QUOTED];
 
         count_largest(t, k, &largest, &at_largest, &at_next);
-        if (at_largest >= 3 && at_largest > 2 * at_next && 10 * at_largest < 9 * t->samples.count && largest > 0.0) {
+        if (at_largest >= 4 && at_largest > 2 * at_next && 10 * at_largest < 9 * t->samples.count && largest > 0.0) {
             const char *text = t->open.channel_names[k];
             size_t length = 0;
 

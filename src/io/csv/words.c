@@ -260,7 +260,11 @@ static void split_axis(struct io_words *out)
     memcpy(text, out->text[0], length);
     out->of[out->word[0]]--;
     out->count = 0;
-    push(out, text + (length == 3), length - 1 - (length == 3)); /* "wi" is i, "wo" is o */
+    if (strchr("io", text[length - 2])) {
+        push(out, text[length - 2] == 'i' ? "in" : "out", text[length - 2] == 'i' ? 2 : 3);
+    } else {
+        push(out, text, 1);
+    }
     push(out, text + length - 1, 1);
 }
 
