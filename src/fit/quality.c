@@ -45,6 +45,7 @@ struct judge {
     double min_cosine;
     size_t used;
     double residual, spread, square; /* over all channels, in units of their largest */
+    int poor;                        /* some channel is */
     double missed, looked;           /* sums of (r - foretold)^2 and r^2 of the places */
 };
 
@@ -131,6 +132,8 @@ static double add_channel(struct judge *j, const struct channel *c)
     j->residual += c->residual * scale;
     j->spread += spread * scale;
     j->square += c->square * scale;
+    j->poor |= spread * (1.0 - TOL_POOR_R2) < c->residual &&
+               c->residual > TOL_POOR_RELATIVE * TOL_POOR_RELATIVE * c->square;
     return spread > 0.0 ? 1.0 - c->residual / spread : c->residual > 0.0 ? -INFINITY : 1.0;
 }
 
@@ -261,7 +264,7 @@ static unsigned verdict(const struct judge *j, const brdffit_options *options, c
 {
     unsigned found = 0;
 
-    if (total[0] < TOL_POOR_R2 && total[1] > TOL_POOR_RELATIVE && options->norm != BRDFFIT_NORM_L1) {
+    if (j->poor && options->norm != BRDFFIT_NORM_L1) {
         found |= BRDFFIT_MISFIT_POOR;
     }
     if (j->used >= TOL_PATTERN_SAMPLES && total[1] > TOL_PATTERN_RELATIVE && total[2] > TOL_PATTERN_FORESEEN) {
@@ -274,7 +277,7 @@ brdffit_status brdffit_quality_run(const brdffit_samples *samples, const brdffit
                                    double *r2, double total[3], unsigned *misfit, brdffit_error *error)
 {
     struct judge j = {samples, fitted, brdffit_model_asked(options, 0), brdffit_geometry_min_cosine(options->max_incidence),
-                      0, 0.0, 0.0, 0.0, 0.0, 0.0};
+                      0, 0.0, 0.0, 0.0, 0, 0.0, 0.0};
     struct place places[LOOKED_AT];
     size_t used, count = 0, i, k;
     brdffit_status status = brdffit_inspect_run(samples, options, &used, NULL, 0, error);

@@ -90,7 +90,7 @@ static void add_message(struct cli_text *text, const brdffit_error *error)
         return;
     }
     brdffit_cli_text_puts(text, message);
-    if (brdffit_cli_has_value(error)) {
+    if (brdffit_cli_has_value(error) && (!fault[0] || error->value - error->value == 0)) {
         brdffit_cli_text_printf(text, ": %.17g", error->value);
     }
 }
@@ -128,7 +128,7 @@ void brdffit_cli_describe(struct cli_text *text, struct cli_style style, const b
     }
     brdffit_cli_text_puts(text, *separator ? ": " : "");
     add_message(text, error);
-    if (fault[0]) {
+    if (fault[0] && !(brdffit_cli_has_value(error) && error->value - error->value == 0)) {
         brdffit_cli_text_puts(text, ": '");
         brdffit_cli_name(text, style, fault);
         brdffit_cli_text_puts(text, "'");

@@ -158,9 +158,9 @@ static brdffit_status judge_unknown(struct survey *s, size_t j)
         leave_out(s, j, "it is text");
     } else if (c->numbers >= TELLING && c->running) {
         leave_out(s, j, "it is a running number");
-    } else if (c->numbers >= TELLING && c->same && others > 0) {
+    } else if (c->numbers >= TELLING && c->same && c->first != 0.0 && others > 0) {
         leave_out(s, j, "it is the same in every row");
-    } else if (c->numbers >= TELLING && c->binary && others > 0) {
+    } else if (c->numbers >= TELLING && c->binary && !c->same && others > 0) {
         return refuse(s, j, "this column holds 0 and 1 only: is it a mask (--column weight=NAME keeps rows of 1), or to be "
                             "left out (--column ignore=NAME)?");
     } else if (c->numbers >= TELLING_ORDER && (c->rising || c->falling) && sure > 0) {

@@ -20,9 +20,9 @@ static const struct vocabulary vocabulary[] = {
     {WORD_ELEVATION, "angle above the surface", " elevation elev altitude "},
     {WORD_ANGLE, "polar angle, beside light or viewer", " angle ang "},
     {WORD_LIGHT, "light",
-     " i in inc incident incidence incoming input source src light l illumination illum lamp laser beam sun solar "},
+     " i in wi inc incident incidence incoming input source src light l illumination illum lamp laser beam sun solar "},
     {WORD_VIEW, "viewer",
-     " o out outgoing output r ref refl reflected reflection v view viewing viewer e em emission emergent exit exitant "
+     " o out wo outgoing output r ref refl reflected reflection v view viewing viewer e em emission emergent exit exitant "
      "detector det scatter scattered scattering scat camera cam observer observation obs sensor receiver rec "},
     {WORD_NORMAL, "normal", " n normal norm "},
     {WORD_S, "sun, or scatter beside i", " s "},
@@ -215,6 +215,11 @@ static const char *plain_word(const char *at, const char *end, char *word, size_
     const int digits = is_digit(*at);
     const char *unused, *first = at;
 
+    if (end - at >= 2 && at[0] == 'd' && at[1] == 'B' && (end - at == 2 || !is_letter(at[2]))) { /* no camel */
+        *length = 2;
+        memcpy(word, "db", 2);
+        return at + 2;
+    }
     for (*length = 0; at < end && (digits ? is_digit(*at) : is_letter(*at)); at++) {
         if (letter_at(at, end, &unused) > 0 || (at > first && is_capital(*at) && !is_capital(at[-1]))) {
             break;
