@@ -276,8 +276,17 @@ static unsigned verdict(const struct judge *j, const brdffit_options *options, c
 brdffit_status brdffit_quality_run(const brdffit_samples *samples, const brdffit_options *options, const double *fitted,
                                    double *r2, double total[3], unsigned *misfit, brdffit_error *error)
 {
-    struct judge j = {samples, fitted, brdffit_model_asked(options, 0), brdffit_geometry_min_cosine(options->max_incidence),
-                      0, 0.0, 0.0, 0.0, 0, 0.0, 0.0};
+    struct judge j = {samples,
+                      fitted,
+                      brdffit_model_asked(options, 0),
+                      brdffit_geometry_min_cosine(options->max_incidence),
+                      0,
+                      0.0,
+                      0.0,
+                      0.0,
+                      0,
+                      0.0,
+                      0.0};
     struct place places[LOOKED_AT];
     size_t used, count = 0, i, k;
     brdffit_status status = brdffit_inspect_run(samples, options, &used, NULL, 0, error);

@@ -40,7 +40,12 @@ brdffit_status brdffit_io_no_memory(brdffit_error *error)
 /* Bytes of the character at `at`, 0 when it is not UTF-8 that can be shown. */
 static size_t character(const unsigned char *at, size_t left)
 {
-    const size_t length = at[0] < 0x80 ? 1 : at[0] < 0xc2 ? 0 : at[0] < 0xe0 ? 2 : at[0] < 0xf0 ? 3 : at[0] < 0xf5 ? 4 : 0;
+    const size_t length = at[0] < 0x80   ? 1
+                          : at[0] < 0xc2 ? 0
+                          : at[0] < 0xe0 ? 2
+                          : at[0] < 0xf0 ? 3
+                          : at[0] < 0xf5 ? 4
+                                         : 0;
     size_t i;
 
     if (length == 0 || length > left || at[0] < 0x20 || at[0] == 0x7f || (at[0] == 0xc2 && left > 1 && at[1] < 0xa0)) {

@@ -111,7 +111,8 @@ static brdffit_status text_check(const brdffit_io_options *o, brdffit_error *err
         (o->values != BRDFFIT_IO_VALUES_PLAIN && o->quantity_set && o->quantity != BRDFFIT_QUANTITY_BRDF)) {
         return brdffit_io_fail(error, BRDFFIT_ERR_OPTION, "values must be one of its constants, and not with radiance");
     }
-    if (o->directions_as > 127u || ((o->directions_as & BRDFFIT_IO_DEGREES) && (o->directions_as & BRDFFIT_IO_RADIANS))) {
+    if (o->directions_as > 127u ||
+        ((o->directions_as & BRDFFIT_IO_DEGREES) && (o->directions_as & BRDFFIT_IO_RADIANS))) {
         return brdffit_io_fail(error, BRDFFIT_ERR_OPTION, "directions cannot be that, or not both");
     }
     if (!(o->saturated >= 0.0)) {

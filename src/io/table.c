@@ -107,8 +107,7 @@ void brdffit_io_table_publish(struct io_table *table)
 /* Room for one more note and its text; NULL: no memory. */
 static char *note_room(struct io_table *table, size_t size)
 {
-    brdffit_io_note *more =
-        brdffit_io_resize(table->notes, table->open.note_count + 1, sizeof *table->notes);
+    brdffit_io_note *more = brdffit_io_resize(table->notes, table->open.note_count + 1, sizeof *table->notes);
     char *text;
 
     if (!more) {

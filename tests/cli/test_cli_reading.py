@@ -111,6 +111,10 @@ DIALECTS = {
     "long_row": refused(lines(rows=[*ROWS, [*ROWS[0], "1"]]), "more fields"),
     "spreadsheet": refused(b"PK\x03\x04\x14\x00\x06\x00\x08\x00\x00\x00" + bytes(range(200)), "spreadsheet"),
     "no_header": refused(lines()[len(",".join(NAMES)) + 1:], "holds numbers"),
+    "json": refused("".join('{"theta_i": %s, "theta_o": %s, "r": %s}\n' % (r[0], r[2], r[4]) for r in ROWS), "JSON"),
+    "xml": refused("<?xml version='1.0'?>\n<a theta_i='1', theta_o='2'/>\n", "XML"),
+    "markdown": same(lines(["| " + NAMES[0], *NAMES[1:6], "b |"], [["| " + r[0], *r[1:6], r[6] + " |"] for r in ROWS], by=" | ")),
+    "r_row_names": refused(lines(rows=[['"%d"' % k, *r] for k, r in enumerate(ROWS)], by=" "), "more fields"),
     "letters_o_for_0": refused(lines(rows=cell(ROWS, 7, 4, "O.13")), "not a number", "'O.13'"),
 }
 
@@ -185,6 +189,7 @@ BESIDE = {
     "rising": same(lines(*with_column("t", ["%.3f" % (1.7 * k + 0.3 * (k % 3)) for k in range(COUNT)])), "rises or falls", channels=["r", "g", "b"]),
     "constant": same(lines(*with_column("foo", [3.5] * COUNT)), "same in every row", channels=["r", "g", "b"]),
     "one_wavelength": same(lines(*with_column("wavelength", [550] * COUNT, at=4)), "wavelength is the same", channels=["r", "g", "b"]),
+    "dark_level": warned(lines(*with_column("dark", [12 + k % 2 for k in range(COUNT)])), "dark is left out"),
     "material": same(lines(*with_column("material", ["oak"] * COUNT)), "same in every row", channels=["r", "g", "b"]),
     "materials": refused(lines(*with_column("material", ["oak", "elm"] * (COUNT // 2))), "several kinds", "'material'"),
     "bands": refused(lines(*with_column("channel", ["R", "G"] * (COUNT // 2))), "several kinds"),
@@ -256,6 +261,10 @@ DIRECTIONS = {
                                    "mirror-at-0"),
     "below_on_one_side": warned(lines(rows=ROWS + [[r[0], r[1], "%g" % (180 - float(r[2])), *r[3:]] for r in ROWS[:90]]),
                                 "below the horizon"),
+    "upside_down": refused(lines(*readings.vectors(LIGHT * [1, 1, -1], VIEW * [1, 1, -1])), "skipped: 124 with the light below"),
+    "radians_beside_degrees": refused(lines(rows=column(column(ROWS, 0, radians), 2, radians)), "radians"),
+    "arc_minutes": refused(lines([n + " (arcmin)" for n in NAMES[:4]] + NAMES[4:]), "unit included", "'theta_i (arcmin)'"),
+    "rotation": refused(lines(["theta_i", "rotation", "theta_o", "r"], [[r[0], r[3], r[2], r[4]] for r in ROWS]), "'rotation'"),
     "swapped_columns": warned(lines([NAMES[k] for k in (0, 2, 1, 3, 4, 5, 6)]), "misfit"),
 }
 

@@ -74,6 +74,7 @@ static int publish(struct run *r, const struct cli_job *job)
     const int fitted = job->status == BRDFFIT_OK && !job->not_begun;
     if (!fitted && !job->not_begun) {
         brdffit_cli_report_error(job->path, &job->error, job->table, job->system_error);
+        brdffit_cli_say_skipped(job, &r->fitter);
     }
     if (job->table != NULL && !r->settings->quiet) {
         brdffit_cli_say_notes(job->path, job->table, r->settings->json || !fitted);

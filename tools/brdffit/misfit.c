@@ -30,15 +30,19 @@ static void misfit(struct cli_text *text, struct cli_style style, const struct c
     if (job->r2 == NULL || job->misfit == 0) {
         return;
     }
-    brdffit_cli_text_printf(&words, "misfit: this model does not describe these data. R%s is %.3g\tin all, residuals are %.2g\t%% of "
-                                    "the data",
-                            brdffit_cli_glyph(style, CLI_SQUARED), job->quality[0], 100 * job->quality[1]);
+    brdffit_cli_text_printf(
+        &words,
+        "misfit: this model does not describe these data. R%s is %.3g\tin all, residuals are %.2g\t%% of "
+        "the data",
+        brdffit_cli_glyph(style, CLI_SQUARED), job->quality[0], 100 * job->quality[1]);
     if (job->misfit & BRDFFIT_MISFIT_PATTERNED) {
-        brdffit_cli_text_printf(&words, ", and those of neighbouring samples foretell %.2g\t%% of their squares, which are no noise",
-                                100 * job->quality[2]);
+        brdffit_cli_text_printf(
+            &words, ", and those of neighbouring samples foretell %.2g\t%% of their squares, which are no noise",
+            100 * job->quality[2]);
     }
-    brdffit_cli_text_puts(&words, ". Are directions and values what they are read as ('brdffit info')? Or is this another "
-                                  "kind of material ('brdffit compare')?");
+    brdffit_cli_text_puts(&words,
+                          ". Are directions and values what they are read as ('brdffit info')? Or is this another "
+                          "kind of material ('brdffit compare')?");
     warn(text, style, &words);
 }
 
@@ -58,8 +62,9 @@ static void few_samples(struct cli_text *text, struct cli_style style, const str
     if (values > parameters) {
         return;
     }
-    brdffit_cli_text_printf(&words, "%zu value%s for %zu parameters: such a fit is close whatever the material, and proves "
-                                    "nothing about it.",
+    brdffit_cli_text_printf(&words,
+                            "%zu value%s for %zu parameters: such a fit is close whatever the material, and proves "
+                            "nothing about it.",
                             values, values == 1 ? "" : "s", parameters);
     warn(text, style, &words);
 }
@@ -80,9 +85,11 @@ static void more_than_all(struct cli_text *text, struct cli_style style, const s
         struct cli_text words = {0};
         brdffit_cli_text_puts(&words, "channel ");
         brdffit_cli_name(&words, style, job->table->channel_names[k]);
-        brdffit_cli_text_printf(&words, ": %s is %.3g, above 1: more light than came, if the values are absolute f_r in 1/sr "
-                                        "(--physical keeps to 1).",
-                                model->x[k] > ALL_LIGHT ? "the albedo x" : "x and 4 y together", model->x[k] > ALL_LIGHT ? model->x[k] : all);
+        brdffit_cli_text_printf(&words,
+                                ": %s is %.3g, above 1: more light than came, if the values are absolute f_r in 1/sr "
+                                "(--physical keeps to 1).",
+                                model->x[k] > ALL_LIGHT ? "the albedo x" : "x and 4 y together",
+                                model->x[k] > ALL_LIGHT ? model->x[k] : all);
         warn(text, style, &words);
         return;
     }

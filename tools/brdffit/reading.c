@@ -78,8 +78,7 @@ void brdffit_cli_reading_options(const struct cli_settings *settings, brdffit_io
         options->quantity = (brdffit_quantity)values;
     } else if (values != CLI_UNSET) {
         options->quantity = BRDFFIT_QUANTITY_BRDF;
-        options->values =
-            values == CLI_VALUES_CCBRDF ? BRDFFIT_IO_VALUES_CCBRDF : BRDFFIT_IO_VALUES_REFLECTANCE_FACTOR;
+        options->values = values == CLI_VALUES_CCBRDF ? BRDFFIT_IO_VALUES_CCBRDF : BRDFFIT_IO_VALUES_REFLECTANCE_FACTOR;
     }
     options->channels = settings->channels;
     options->columns = settings->columns;
@@ -175,8 +174,8 @@ void brdffit_cli_note_paragraphs(struct cli_text *text, struct cli_style style, 
         brdffit_cli_text_puts(&words, warning ? "data: " : "");
         brdffit_cli_name(&words, style, table->notes[i].text);
         brdffit_cli_text_puts(&words, words.size > 0 && words.data[words.size - 1] == '?' ? "" : ".");
-        brdffit_cli_paragraph(text, style, warning ? CLI_YELLOW : CLI_BOLD, warning ? "Warning," : "Read:",
-                              brdffit_cli_text_string(&words));
+        brdffit_cli_paragraph(text, style, warning ? CLI_YELLOW : CLI_BOLD,
+                              warning ? "Warning," : "Read:", brdffit_cli_text_string(&words));
         text->failed |= words.failed;
         brdffit_cli_text_free(&words);
     }

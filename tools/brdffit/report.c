@@ -90,6 +90,21 @@ void brdffit_cli_report_title(struct cli_text *text, struct cli_style style, con
     brdffit_cli_text_free(&reasons);
 }
 
+void brdffit_cli_say_skipped(const struct cli_job *job, const struct cli_fitter *fitter)
+{
+    const struct cli_style style = brdffit_cli_style(stderr);
+    size_t used, skipped[BRDFFIT_SKIP_COUNT] = {0};
+    struct cli_text reasons = {0};
+    if (job->table == NULL || job->status != BRDFFIT_ERR_NO_SAMPLES || job->table->sums != NULL) {
+        return;
+    }
+    (void)brdffit_inspect(job->table->samples, &fitter->options, &used, skipped, BRDFFIT_SKIP_COUNT, NULL);
+    if (brdffit_cli_skipped(&reasons, style, skipped, job->table, fitter->options.max_incidence) > 0) {
+        fprintf(stderr, "brdffit: skipped: %s\n", brdffit_cli_text_string(&reasons));
+    }
+    brdffit_cli_text_free(&reasons);
+}
+
 /* The distribution has a column when lobes have several; so has the parameter's name when both kinds are there. */
 static void lobe_table(struct cli_text *text, struct cli_style style, const brdffit_result *result,
                        const brdffit_options *options)
@@ -148,7 +163,8 @@ static void channel_table(struct cli_text *text, struct cli_style style, const s
 {
     const brdffit_result *const result = job->result;
     const int lobes = result->model->lobes;
-    const int digits = lobes > 2 ? 4 : 5, number = lobes > 2 ? NUMBER_NARROW : NUMBER_WIDTH, widest = lobes > 2 ? CHANNEL_SHORT : LONGEST_CHANNEL;
+    const int digits = lobes > 2 ? 4 : 5, number = lobes > 2 ? NUMBER_NARROW : NUMBER_WIDTH,
+              widest = lobes > 2 ? CHANNEL_SHORT : LONGEST_CHANNEL;
     const int wanted = brdffit_cli_channel_width(style, job->table), width = wanted > widest ? widest : wanted;
     brdffit_cli_text_puts(text, "\n  ");
     brdffit_cli_cell(text, style, "channel", -width);

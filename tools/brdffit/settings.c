@@ -110,9 +110,10 @@ const struct cli_option brdffit_cli_options[] = {
      "skip samples lit from further off the normal\n(default 60; off when a model has Fresnel)"},
     {"max-incidence", 0, CLI_DEGREES, CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL, "DEG|off",
      "skip samples lit from further off the normal\n(default 60)"},
-    CHOICE("values", READERS, 0, values, brdffit_cli_values_choices, "brdf|radiance|ccbrdf|reflectance-factor",
-           "what the file's values are: f_r, f_r times the\n"
-           "light's cosine, or a text's f_r times the\nviewer's cosine or times pi (default brdf; for\nfiles with a,b,c radiance)"),
+    CHOICE(
+        "values", READERS, 0, values, brdffit_cli_values_choices, "brdf|radiance|ccbrdf|reflectance-factor",
+        "what the file's values are: f_r, f_r times the\n"
+        "light's cosine, or a text's f_r times the\nviewer's cosine or times pi (default brdf; for\nfiles with a,b,c radiance)"),
     CHOICE("values", CLI_MAP, 0, values, brdffit_cli_quantity_choices, "brdf|radiance",
            "what the stack's values are: f_r, or f_r times\nthe light's cosine (default brdf)"),
     PLAIN("channels", 0, CLI_STRING, READERS, channels, "NAME,...",

@@ -23,10 +23,11 @@ static char lower(char c)
 
 static int is_missing(const struct io_field *f)
 {
-    static const char *const words[] = {"na",   "n/a",     "#n/a",    "#na",   "nan",   "null",    "none",  "nil",    "nd",
-                                        "n.d.", "n.a.",    "missing", "-",     "--",    "---",     ".",     "?",      "*",
-                                        "#div/0!", "#value!", "#ref!", "#num!", "#name?", "#null!", "<null>", "(null)",
-                                        "-nan", "+nan",    "#n/d",    "-nan(ind)", "1.#qnan", "1.#ind", "-1.#ind", "nodata", "..."};
+    static const char *const words[] = {"na",    "n/a",       "#n/a",    "#na",    "nan",     "null",    "none",
+                                        "nil",   "nd",        "n.d.",    "n.a.",   "missing", "-",       "--",
+                                        "---",   ".",         "?",       "*",      "#div/0!", "#value!", "#ref!",
+                                        "#num!", "#name?",    "#null!",  "<null>", "(null)",  "-nan",    "+nan",
+                                        "#n/d",  "-nan(ind)", "1.#qnan", "1.#ind", "-1.#ind", "nodata",  "..."};
     size_t i, j;
 
     for (i = 0; i < sizeof words / sizeof *words; i++) {
@@ -75,7 +76,8 @@ static int is_grouped(const struct io_field *f)
 }
 
 /* With a comma: where it stands, and whether it may part thousands. */
-static enum io_cell decimal_comma(const struct io_field *f, const void *c_locale, struct io_writing *writing, double *value)
+static enum io_cell decimal_comma(const struct io_field *f, const void *c_locale, struct io_writing *writing,
+                                  double *value)
 {
     const char *comma = memchr(f->text, ',', f->length);
     const size_t at = (size_t)(comma - f->text), first = f->text[0] == '-' || f->text[0] == '+';
@@ -98,8 +100,8 @@ static enum io_cell decimal_comma(const struct io_field *f, const void *c_locale
     return IO_CELL_NUMBER;
 }
 
-enum io_cell brdffit_io_cell(const struct io_field *field, const void *c_locale, struct io_writing *writing, double *value,
-                             enum io_number *fault)
+enum io_cell brdffit_io_cell(const struct io_field *field, const void *c_locale, struct io_writing *writing,
+                             double *value, enum io_number *fault)
 {
     struct io_field f = *field;
     enum io_cell cell = IO_CELL_NUMBER;
@@ -124,7 +126,8 @@ enum io_cell brdffit_io_cell(const struct io_field *field, const void *c_locale,
     if (memchr(f.text, ',', f.length)) {
         cell = decimal_comma(&f, c_locale, writing, value);
     } else {
-        const enum io_number again = f.length < field->length ? brdffit_io_number(f.text, f.length, c_locale, value) : *fault;
+        const enum io_number again = f.length < field->length ? brdffit_io_number(f.text, f.length, c_locale, value)
+                                                              : *fault;
 
         writing->points += again == IO_NUMBER_OK && memchr(f.text, '.', f.length);
         cell = again == IO_NUMBER_OK ? IO_CELL_NUMBER : is_grouped(&f) ? IO_CELL_THOUSANDS : IO_CELL_WRONG;

@@ -26,7 +26,7 @@ struct io_writing {
 };
 
 /* The number in a field; `fault` says what is wrong with IO_CELL_WRONG. */
-enum io_cell brdffit_io_cell(const struct io_field *field, const void *c_locale, struct io_writing *writing, double *value,
-                             enum io_number *fault);
+enum io_cell brdffit_io_cell(const struct io_field *field, const void *c_locale, struct io_writing *writing,
+                             double *value, enum io_number *fault);
 
 #endif

@@ -95,10 +95,11 @@ static brdffit_status read_rows(struct csv_reader *r, struct io_lines *lines)
         return brdffit_io_fail(r->error, BRDFFIT_ERR_NO_SAMPLES, "there are no data lines below the header");
     }
     if (r->table->samples.count == 0) {
-        return brdffit_io_fail(r->error, BRDFFIT_ERR_NO_SAMPLES,
-                               r->table->dropped[BRDFFIT_IO_DROP_SATURATED] > 0
-                                   ? "every data line is without a value or saturated"
-                                   : "every data line has an empty channel field, or one that says that there is no value");
+        return brdffit_io_fail(
+            r->error, BRDFFIT_ERR_NO_SAMPLES,
+            r->table->dropped[BRDFFIT_IO_DROP_SATURATED] > 0
+                ? "every data line is without a value or saturated"
+                : "every data line has an empty channel field, or one that says that there is no value");
     }
     return BRDFFIT_OK;
 }
@@ -201,8 +202,8 @@ static brdffit_status finish(struct csv_reader *r)
     return status == BRDFFIT_OK ? brdffit_io_suspect_directions(r) : status;
 }
 
-static brdffit_status body(struct io_lines *lines, struct csv_layout *layout, const void *c_locale, struct io_table *table,
-                           brdffit_error *error)
+static brdffit_status body(struct io_lines *lines, struct csv_layout *layout, const void *c_locale,
+                           struct io_table *table, brdffit_error *error)
 {
     struct csv_reader reader;
     brdffit_status status = brdffit_io_csv_survey(*lines, layout, c_locale, table, error);

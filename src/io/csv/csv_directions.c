@@ -22,8 +22,7 @@ int brdffit_io_in_radians(const struct csv_layout *layout, enum csv_role role)
     const size_t column = layout->column[role];
     const enum io_unit unit = column == BRDFFIT_NONE ? UNIT_NONE : layout->meaning[column].unit;
 
-    return unit == UNIT_RADIANS ||
-           (unit != UNIT_DEGREES && (layout->options->directions_as & BRDFFIT_IO_RADIANS) != 0);
+    return unit == UNIT_RADIANS || (unit != UNIT_DEGREES && (layout->options->directions_as & BRDFFIT_IO_RADIANS) != 0);
 }
 
 static int is_polar(enum csv_role role)
@@ -36,7 +35,6 @@ static void see(struct csv_reader *r, enum csv_role role, double written)
     const double size = fabs(written);
 
     if (!is_polar(role)) {
-        r->azimuth_most = fmax(r->azimuth_most, size);
         return;
     }
     r->polar_most = fmax(r->polar_most, size);
@@ -51,13 +49,16 @@ static int angle(struct csv_reader *r, const double *value, enum csv_role role, 
 {
     const size_t column = r->layout->column[role];
     const int elevation = column != BRDFFIT_NONE && is_polar(role) &&
-                          (r->layout->meaning[column].elevation || (r->layout->options->directions_as & BRDFFIT_IO_ELEVATION));
+                          (r->layout->meaning[column].elevation ||
+                           (r->layout->options->directions_as & BRDFFIT_IO_ELEVATION));
 
     *degrees = 0.0;
     if (column == BRDFFIT_NONE) {
         return 1;
     }
-    see(r, role, value[role]);
+    if (!elevation) {
+        see(r, role, value[role]);
+    }
     *degrees = value[role];
     if (brdffit_io_in_radians(r->layout, role)) {
         if (!(fabs(*degrees) <= MOST_RADIANS)) {

@@ -24,7 +24,7 @@ struct csv_reader {
     size_t headers;     /* repeated */
     size_t polar_signed, polar_broken; /* polar angles below 0; that are no whole degrees */
     size_t light_at_right, near_normal; /* of 90 degrees; of less than 1, both sides */
-    double polar_most, azimuth_most; /* absolute, as written */
+    double polar_most; /* absolute, as written */
 };
 
 #endif

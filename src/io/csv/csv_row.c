@@ -38,10 +38,12 @@ static brdffit_status fail_field(const struct row *row, size_t column, size_t ch
 
 static brdffit_status fail_role(const struct row *row, enum csv_role role, const char *message)
 {
-    return fail_field(row, row->reader->layout->column[role], BRDFFIT_NONE, BRDFFIT_ERR_VALUE, message, row->value[role]);
+    return fail_field(row, row->reader->layout->column[role], BRDFFIT_NONE, BRDFFIT_ERR_VALUE, message,
+                      row->value[role]);
 }
 
-static brdffit_status fail_number(const struct row *row, size_t column, size_t channel, enum io_number fault, double value)
+static brdffit_status fail_number(const struct row *row, size_t column, size_t channel, enum io_number fault,
+                                  double value)
 {
     const char *message = "the field is not a number";
 
@@ -235,8 +237,8 @@ static int is_blank(const struct csv_layout *layout, size_t found)
 /* Fields beyond those of the header: harmless when all are empty, as spreadsheets leave them. */
 static int only_empty_beyond(const struct io_field *line, const struct csv_layout *layout, size_t found)
 {
-    const char *end = line->text + line->length, *last = layout->fields[layout->columns - 1].text +
-                                                         layout->fields[layout->columns - 1].length;
+    const char *end = line->text + line->length,
+               *last = layout->fields[layout->columns - 1].text + layout->fields[layout->columns - 1].length;
 
     (void)found;
     last += layout->fields[layout->columns - 1].quoted;

@@ -182,6 +182,16 @@ static void try_comment(struct search *s, const struct io_field *line)
     }
 }
 
+static char first_character(const struct io_field *line)
+{
+    size_t i = 0;
+
+    while (i + 1 < line->length && (line->text[i] == ' ' || line->text[i] == '\t')) {
+        i++;
+    }
+    return line->text[i];
+}
+
 /* Line by line to the numbers. 1: found. */
 static int search_lines(struct search *s, struct csv_layout *found)
 {
@@ -197,7 +207,7 @@ static int search_lines(struct search *s, struct csv_layout *found)
             s->numbers_line = s->lines->line;
             return 0;
         }
-        if (try_line(s, &line, found)) {
+        if (!strchr("{[<", first_character(&line)) && try_line(s, &line, found)) {
             return 1;
         }
         if (s->texts++ == 0) {
@@ -248,7 +258,14 @@ static brdffit_status fail_search(const struct search *s, brdffit_error *error)
                          "the first line holds numbers: a header line that names the columns is missing", error);
     }
     if (has_control(&s->first)) {
-        return fail_line(s, NULL, s->first_line, "the header holds control characters: this is not a text table", error);
+        return fail_line(s, NULL, s->first_line, "the header holds control characters: this is not a text table",
+                         error);
+    }
+    if (strchr("{[<", first_character(&s->first))) {
+        return fail_line(
+            s, &s->first, s->first_line,
+            "this is JSON or XML, not a table: write its samples as columns, such as theta_i,phi_i,theta_o,phi_o,r",
+            error);
     }
     if (separators(&s->first, list) == 0) {
         return fail_line(s, &s->first, s->first_line,

@@ -281,8 +281,8 @@ static brdffit_status place_roles(struct csv_layout *layout, brdffit_error *erro
             continue;
         }
         if (brdffit_io_csv_has(layout, layout->meaning[j].role)) {
-            return brdffit_io_layout_fail(layout, j, "this column stands in the header twice (--column ignore=NAME leaves one out)",
-                                          error);
+            return brdffit_io_layout_fail(
+                layout, j, "this column stands in the header twice (--column ignore=NAME leaves one out)", error);
         }
         layout->column[layout->meaning[j].role] = j;
     }
@@ -338,8 +338,8 @@ static brdffit_status check_angles(struct csv_layout *layout, brdffit_error *err
                                       "an azimuth beside phi_i or phi_o: which is it (--column phi_o=NAME)?", error);
     }
     if (phi_i && !phi_o) {
-        return brdffit_io_layout_fail(layout, BRDFFIT_NONE,
-                                      "the header needs both phi_i and phi_o, or neither, or phi between the two", error);
+        return brdffit_io_layout_fail(
+            layout, BRDFFIT_NONE, "the header needs both phi_i and phi_o, or neither, or phi between the two", error);
     }
     return BRDFFIT_OK;
 }
@@ -369,6 +369,20 @@ static brdffit_status check_vectors(struct csv_layout *layout, brdffit_error *er
     return BRDFFIT_OK;
 }
 
+/* The first column whose name looks like a direction and is none. */
+static brdffit_status fail_direction(const struct csv_layout *layout, brdffit_error *error)
+{
+    size_t j = 0;
+
+    while (layout->meaning[j].role != CSV_DIRECTION) {
+        j++;
+    }
+    return brdffit_io_layout_fail(layout, j,
+                                  "this column looks like a direction (theta, phi ...) but is not understood, its unit "
+                                  "included: say what it is by --column phi=NAME, or ignore=NAME",
+                                  error);
+}
+
 static brdffit_status check_kind(struct csv_layout *layout, brdffit_error *error)
 {
     if (any_of(layout, CSV_THETA_H, CSV_PHI_D) && !any_of(layout, CSV_THETA_I, CSV_PHI)) {
@@ -381,11 +395,15 @@ static brdffit_status check_kind(struct csv_layout *layout, brdffit_error *error
         return check_vectors(layout, error);
     }
     layout->kind = CSV_COEFFICIENTS;
+    if (any_of(layout, CSV_DIRECTION, CSV_DIRECTION)) {
+        return fail_direction(layout, error);
+    }
     if (!all_of(layout, CSV_A, CSV_C)) {
-        return brdffit_io_layout_fail(layout, BRDFFIT_NONE,
-                                      "the header names no directions (theta_i,phi_i,theta_o,phi_o or lx,ly,lz,vx,vy,vz or "
-                                      "a,b,c; --column theta_i=NAME,... says what others mean)",
-                                      error);
+        return brdffit_io_layout_fail(
+            layout, BRDFFIT_NONE,
+            "the header names no directions (theta_i,phi_i,theta_o,phi_o or lx,ly,lz,vx,vy,vz or "
+            "a,b,c; --column theta_i=NAME,... says what others mean)",
+            error);
     }
     return BRDFFIT_OK;
 }
@@ -403,10 +421,7 @@ static brdffit_status check_directions(struct csv_layout *layout, struct io_tabl
             continue;
         }
         if (!complete) {
-            return brdffit_io_layout_fail(layout, j,
-                                          "this column looks like a direction (theta, phi ...) but is not understood: say "
-                                          "what it is by --column phi=NAME, or ignore=NAME",
-                                          error);
+            return fail_direction(layout, error);
         }
         layout->meaning[j].role = CSV_IGNORED;
         if (table) {

@@ -260,9 +260,10 @@ static brdffit_status rebuild(struct pivot *p)
         t->open.rows += t->dropped[i];
     }
     status = name_channels(p);
-    brdffit_io_table_note(t, 0, "%zu rows of %zu wavelengths become %zu samples of %zu channels%s", p->count, p->channels,
-                          t->samples.count, p->channels,
-                          t->dropped[BRDFFIT_IO_DROP_ABSENT] > absent ? "; directions without all of them are left out" : "");
+    brdffit_io_table_note(t, 0, "%zu rows of %zu wavelengths become %zu samples of %zu channels%s", p->count,
+                          p->channels, t->samples.count, p->channels,
+                          t->dropped[BRDFFIT_IO_DROP_ABSENT] > absent ? "; directions without all of them are left out"
+                                                                      : "");
     return status;
 }
 

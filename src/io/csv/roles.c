@@ -9,8 +9,8 @@
 #include <string.h>
 
 static const char *const role_names[CSV_NAMED_ROLES] = {
-    "theta_i", "phi_i", "theta_o", "phi_o", "phi", "theta_h", "phi_h", "theta_d", "phi_d",
-    "lx",      "ly",    "lz",      "vx",    "vy",  "vz",      "nx",    "ny",      "nz",
+    "theta_i", "phi_i", "theta_o", "phi_o",  "phi",         "theta_h",    "phi_h",   "theta_d", "phi_d",
+    "lx",      "ly",    "lz",      "vx",     "vy",          "vz",         "nx",      "ny",      "nz",
     "a",       "b",     "c",       "weight", "uncertainty", "wavelength", "channel", "ignore",
 };
 
@@ -100,7 +100,7 @@ static enum csv_role angle_role(const struct io_words *w, int *elevation)
     }
     *elevation = up > 0;
     return w->of[WORD_RELATIVE] > 0 || (up > 0 && (side == WORD_HALF || side == WORD_D)) ? CSV_DIRECTION
-                                                                                          : polar_role(side);
+                                                                                         : polar_role(side);
 }
 
 /* "I x" may be anything: of single letters only l, v and n stand for vectors. */
@@ -149,9 +149,9 @@ static int is_one_of(const char *text, const char *const *list, size_t count)
 /* A direction's word, alone: of what, it does not say. */
 static int is_bare_direction(const struct io_words *w)
 {
-    static const char *const list[] = {"light",    "incident", "incidence",   "incoming", "source",   "sun",    "solar", "view",
-                                       "viewing",  "viewer",   "observation", "outgoing", "emission", "exit",   "scatter",
-                                       "emergent", "omega"};
+    static const char *const list[] = {"light",    "incident", "incidence", "incoming", "source",      "sun",
+                                       "solar",    "view",     "viewing",   "viewer",   "observation", "outgoing",
+                                       "emission", "exit",     "scatter",   "emergent", "omega"};
 
     return w->count == 1 && is_one_of(w->text[0], list, sizeof list / sizeof *list);
 }
@@ -200,6 +200,9 @@ static enum csv_role beside_role(const struct io_words *w)
     if (w->of[WORD_CONDITION] > 0 && w->of[WORD_VALUE] == 0) {
         return CSV_CONDITION;
     }
+    if (w->of[WORD_CORRECTION] > 0) {
+        return CSV_CORRECTION;
+    }
     if (w->of[WORD_REMARK] > 0) {
         return CSV_REMARK;
     }
@@ -232,7 +235,7 @@ static enum csv_role role_of(const struct io_words *w, int *elevation)
     if (role != CSV_UNKNOWN) {
         return role;
     }
-    if (is_bare_direction(w)) {
+    if (is_bare_direction(w) || w->of[WORD_TURN] > 0) {
         return CSV_DIRECTION;
     }
     return w->of[WORD_VALUE] > 0 || w->of[WORD_NUMBER] == w->count || is_channel_letter(w) ? CSV_CHANNEL : CSV_UNKNOWN;

@@ -47,6 +47,7 @@ enum csv_role {
     CSV_MASK,
     CSV_INDEX,
     CSV_CONDITION,
+    CSV_CORRECTION,
     CSV_REMARK,
     CSV_GROUP,
     CSV_LOGARITHM,

@@ -86,7 +86,8 @@ static void see_all(struct survey *s, struct io_lines lines, const void *c_local
     size_t found;
 
     while (brdffit_io_next_line(&lines, &line)) {
-        if (brdffit_io_split(&line, s->layout->separator, s->layout->fields, s->layout->columns, &found) == IO_SPLIT_OK) {
+        if (brdffit_io_split(&line, s->layout->separator, s->layout->fields, s->layout->columns, &found) ==
+            IO_SPLIT_OK) {
             see_row(s, found, c_locale);
         }
     }
@@ -100,7 +101,8 @@ static void leave_out_as(struct survey *s, size_t j, int warning, const char *wh
 
     s->layout->meaning[j].role = CSV_IGNORED;
     if (s->layout->names[j].length > 0) {
-        brdffit_io_table_note(s->table, warning, "column %s is left out: %s", brdffit_io_column_name(s->layout, j, name), why);
+        brdffit_io_table_note(s->table, warning, "column %s is left out: %s",
+                              brdffit_io_column_name(s->layout, j, name), why);
     } else {
         brdffit_io_table_note(s->table, 0, "column %zu, which has no name, is left out: %s", j + 1, why);
     }
@@ -161,14 +163,16 @@ static brdffit_status judge_unknown(struct survey *s, size_t j)
     } else if (c->numbers >= TELLING && c->same && c->first != 0.0 && others > 0) {
         leave_out(s, j, "it is the same in every row");
     } else if (c->numbers >= TELLING && c->binary && !c->same && others > 0) {
-        return refuse(s, j, "this column holds 0 and 1 only: is it a mask (--column weight=NAME keeps rows of 1), or to be "
-                            "left out (--column ignore=NAME)?");
+        return refuse(s, j,
+                      "this column holds 0 and 1 only: is it a mask (--column weight=NAME keeps rows of 1), or to be "
+                      "left out (--column ignore=NAME)?");
     } else if (c->numbers >= TELLING_ORDER && (c->rising || c->falling) && sure > 0) {
         leave_out(s, j, "it rises or falls from row to row, as a time or a number does");
     } else {
         s->layout->meaning[j].role = CSV_CHANNEL;
         if (sure > 0) {
-            brdffit_io_table_note(s->table, 0, "column %s is taken as a channel", brdffit_io_column_name(s->layout, j, name));
+            brdffit_io_table_note(s->table, 0, "column %s is taken as a channel",
+                                  brdffit_io_column_name(s->layout, j, name));
         }
     }
     return BRDFFIT_OK;
@@ -177,8 +181,9 @@ static brdffit_status judge_unknown(struct survey *s, size_t j)
 static brdffit_status judge_mask(struct survey *s, size_t j)
 {
     if (!s->columns[j].same) {
-        return refuse(s, j, "this column marks rows, but not which ones to keep: --column weight=NAME keeps those above 0, "
-                            "--column ignore=NAME all");
+        return refuse(s, j,
+                      "this column marks rows, but not which ones to keep: --column weight=NAME keeps those above 0, "
+                      "--column ignore=NAME all");
     }
     leave_out(s, j, "it is the same in every row");
     return BRDFFIT_OK;
@@ -193,8 +198,9 @@ static brdffit_status judge_group(struct survey *s, size_t j)
         return BRDFFIT_OK;
     }
     if (!c->same && c->numbers + c->texts > 0) {
-        return refuse(s, j, "this column tells rows of several kinds apart: a fit is of one; split the file, or leave the "
-                            "column out by --column ignore=NAME");
+        return refuse(s, j,
+                      "this column tells rows of several kinds apart: a fit is of one; split the file, or leave the "
+                      "column out by --column ignore=NAME");
     }
     leave_out(s, j, "it is the same in every row");
     return BRDFFIT_OK;
@@ -240,10 +246,14 @@ static brdffit_status judge(struct survey *s, size_t j)
                      "it looks like an uncertainty or weight of some kind (--column uncertainty=NAME uses one)");
         return BRDFFIT_OK;
     case CSV_CONDITION: leave_out(s, j, "it is about the measurement, not of it"); return BRDFFIT_OK;
+    case CSV_CORRECTION:
+        leave_out_as(s, j, !s->columns[j].same, "values are taken as corrected for it");
+        return BRDFFIT_OK;
     case CSV_REMARK: leave_out(s, j, "it is a remark"); return BRDFFIT_OK;
     case CSV_LOGARITHM:
-        return refuse(s, j, "this column looks like a logarithm (dB): fits are of values, so write 10^(dB/10), or give it a "
-                            "name that says value");
+        return refuse(s, j,
+                      "this column looks like a logarithm (dB): fits are of values, so write 10^(dB/10), or give it a "
+                      "name that says value");
     default: return BRDFFIT_OK;
     }
 }

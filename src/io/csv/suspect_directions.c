@@ -1,7 +1,7 @@
 /*
  * Directions in another frame than they are read in: see suspect.h. SPDX-License-Identifier: MIT
  *
- * - Radians: no angle above a quarter turn of 1.6, and some that are no whole degrees.
+ * - Radians: no polar angle above a quarter turn of 1.6, and some that are no whole degrees.
  * - Elevation: polar angles of exactly 90, where nothing can be measured, but none near 0.
  * - A light that travels to the surface: every light below the horizon, every viewer above it; y-up likewise by its axis.
  * - Mirror direction at azimuth 0: the brightest samples are near it when the viewer is turned by half a turn, and far
@@ -43,12 +43,12 @@ static brdffit_status check_radians(struct csv_reader *r)
     const enum csv_role first = l->kind == CSV_ANGLES ? CSV_THETA_I : CSV_THETA_H;
 
     if ((l->options->directions_as & (BRDFFIT_IO_DEGREES | BRDFFIT_IO_RADIANS)) || has_unit(l, first) ||
-        has_unit(l, CSV_THETA_O) || r->table->samples.count < 3 || r->polar_broken < 2 || r->polar_most > QUARTER ||
-        r->azimuth_most > 6.4) {
+        has_unit(l, CSV_THETA_O) || r->table->samples.count < 3 || r->polar_broken < 2 || r->polar_most > QUARTER) {
         return BRDFFIT_OK;
     }
-    return refuse(r, l->column[first],
-                  "no angle is above 1.6: are these radians (--directions radians), or degrees (--directions degrees)?");
+    return refuse(
+        r, l->column[first],
+        "no polar angle is above 1.6: are these radians (--directions radians), or degrees (--directions degrees)?");
 }
 
 static void note_elevation(struct csv_reader *r)
@@ -58,9 +58,10 @@ static void note_elevation(struct csv_reader *r)
     if (r->light_at_right > 0 && r->near_normal == 0 && r->table->samples.count >= TELLING &&
         !(l->options->directions_as & (BRDFFIT_IO_ELEVATION | BRDFFIT_IO_AS_WRITTEN)) &&
         !brdffit_io_in_radians(l, CSV_THETA_I)) {
-        brdffit_io_table_note(r->table, 1,
-                              "polar angles of 90 degrees, where nothing can be measured, and none near 0: are these angles above "
-                              "the surface (--directions elevation)?");
+        brdffit_io_table_note(
+            r->table, 1,
+            "polar angles of 90 degrees, where nothing can be measured, and none near 0: are these angles above "
+            "the surface (--directions elevation)?");
     }
 }
 
@@ -71,7 +72,8 @@ static struct sides count_sides(const struct io_table *t)
     size_t i;
 
     for (i = 0; i < t->samples.count; i++) {
-        const int light = brdffit_io_csv_cosine(t, IO_LIGHT, i) < -1e-9, view = brdffit_io_csv_cosine(t, IO_VIEW, i) < -1e-9;
+        const int light = brdffit_io_csv_cosine(t, IO_LIGHT, i) < -1e-9,
+                  view = brdffit_io_csv_cosine(t, IO_VIEW, i) < -1e-9;
 
         s.light += (size_t)light;
         s.view += (size_t)view;
@@ -92,20 +94,23 @@ static brdffit_status check_sides(struct csv_reader *r)
         return BRDFFIT_OK;
     }
     if (vectors && !t->width[IO_NORMAL] && s.y_down == 0 && 10 * below > n) {
-        return refuse(r, r->layout->column[CSV_LX],
-                      "light and viewer are on the side of +y everywhere, and below +z in many samples: a frame with y up "
-                      "(--directions y-up)?");
+        return refuse(
+            r, r->layout->column[CSV_LX],
+            "light and viewer are on the side of +y everywhere, and below +z in many samples: a frame with y up "
+            "(--directions y-up)?");
     }
     if (10 * s.light > 9 * n && 10 * s.view < n) {
-        return refuse(r, r->layout->column[vectors ? CSV_LX : CSV_THETA_I],
-                      "the light comes from below the surface in nearly every sample: its direction points the way that light "
-                      "travels (--directions light-travels)?");
+        return refuse(
+            r, r->layout->column[vectors ? CSV_LX : CSV_THETA_I],
+            "the light comes from below the surface in nearly every sample: its direction points the way that light "
+            "travels (--directions light-travels)?");
     }
     if (3 * below > n) {
-        brdffit_io_table_note(r->table, 1,
-                              "%zu of %zu samples have the light or the viewer below the horizon of +z: another frame, or "
-                              "transmission? (--directions y-up, light-travels)",
-                              below, n);
+        brdffit_io_table_note(
+            r->table, 1,
+            "%zu of %zu samples have the light or the viewer below the horizon of +z: another frame, or "
+            "transmission? (--directions y-up, light-travels)",
+            below, n);
     }
     return BRDFFIT_OK;
 }
@@ -168,7 +173,8 @@ static int peaks_opposite(struct bright *b, size_t n)
         half += b[i].half / (double)few;
         turned += b[i].turned / (double)few;
     }
-    return b[few - 1].value > 1.5 * b[n / 2].value && 4 * apart > n && turned < 0.6 * half && half > 0.8 * all && half > 0.1;
+    return b[few - 1].value > 1.5 * b[n / 2].value && 4 * apart > n && turned < 0.6 * half && half > 0.8 * all &&
+           half > 0.1;
 }
 
 static brdffit_status note_mirror(struct csv_reader *r)
@@ -187,9 +193,10 @@ static brdffit_status note_mirror(struct csv_reader *r)
     }
     n = take_bright(t, b);
     if (n >= 20 && peaks_opposite(b, n)) {
-        brdffit_io_table_note(r->table, 1,
-                              "the brightest samples are where the light comes from, not in the mirror direction: a "
-                              "retro-reflector, or azimuths that count from the mirror direction (--directions mirror-at-0)?");
+        brdffit_io_table_note(
+            r->table, 1,
+            "the brightest samples are where the light comes from, not in the mirror direction: a "
+            "retro-reflector, or azimuths that count from the mirror direction (--directions mirror-at-0)?");
     }
     brdffit_io_release(b);
     return BRDFFIT_OK;

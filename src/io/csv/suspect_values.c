@@ -117,7 +117,8 @@ static brdffit_status check_marks(struct csv_reader *r)
     const double *values = r->table->array[IO_VALUES];
     const struct extremes e = find_extremes(values, count);
 
-    if (r->layout->options->missing != BRDFFIT_IO_MISSING_MARKED || r->layout->options->values != BRDFFIT_IO_VALUES_PLAIN) {
+    if (r->layout->options->missing != BRDFFIT_IO_MISSING_MARKED ||
+        r->layout->options->values != BRDFFIT_IO_VALUES_PLAIN) {
         return BRDFFIT_OK;
     }
     if (is_low_mark(&e)) {
@@ -126,9 +127,10 @@ static brdffit_status check_marks(struct csv_reader *r)
                            "--missing none keeps it)");
     }
     if (is_high_mark(&e)) {
-        return refuse_mark(r, e.most_at, e.most,
-                           "a value far above all others that looks like a mark of missing ones (--missing VALUE leaves it "
-                           "out, --missing none keeps it)");
+        return refuse_mark(
+            r, e.most_at, e.most,
+            "a value far above all others that looks like a mark of missing ones (--missing VALUE leaves it "
+            "out, --missing none keeps it)");
     }
     return BRDFFIT_OK;
 }
@@ -139,8 +141,8 @@ static void note_negative(struct csv_reader *r)
     const int many = (double)negative > MANY_NEGATIVE * (double)count;
 
     if (negative > 0) {
-        brdffit_io_table_note(r->table, many && count >= TELLING, "%zu of %zu samples have a negative value%s", negative,
-                              count,
+        brdffit_io_table_note(r->table, many && count >= TELLING, "%zu of %zu samples have a negative value%s",
+                              negative, count,
                               many ? ": a dark level taken off twice, or another sign?"
                                    : ": they are fitted as they are (--missing negative leaves them out)");
     }
@@ -191,10 +193,11 @@ static void note_saturated(struct csv_reader *r)
             while (text[length]) {
                 length++;
             }
-            brdffit_io_table_note(r->table, 1,
-                                  "channel %s has its largest value, %.6g, in %zu samples: it looks saturated (--saturated "
-                                  "%.6g leaves them out)",
-                                  brdffit_io_quote(text, length, name, sizeof name), largest, at_largest, largest);
+            brdffit_io_table_note(
+                r->table, 1,
+                "channel %s has its largest value, %.6g, in %zu samples: it looks saturated (--saturated "
+                "%.6g leaves them out)",
+                brdffit_io_quote(text, length, name, sizeof name), largest, at_largest, largest);
         }
     }
 }
@@ -218,10 +221,11 @@ static void note_zeros(struct csv_reader *r)
         most = fmax(most, largest);
     }
     if (zeros > 0 && t->samples.count >= TELLING && zeros < t->samples.count && least > 1e-2 * most) {
-        brdffit_io_table_note(r->table, 1,
-                              "%zu samples are 0 in every channel, and no other is near it: not measured? (--missing 0 leaves "
-                              "them out)",
-                              zeros);
+        brdffit_io_table_note(
+            r->table, 1,
+            "%zu samples are 0 in every channel, and no other is near it: not measured? (--missing 0 leaves "
+            "them out)",
+            zeros);
     }
 }
 

@@ -11,10 +11,10 @@ static const struct {
     const char *from;
     char to; /* 0: nothing */
 } signs[] = {
-    {"\xe2\x88\x92", '-'}, {"\xe2\x80\x92", '-'}, {"\xe2\x80\x93", '-'}, {"\xe2\x80\x94", '-'}, {"\xef\xbc\x8d", '-'},
-    {"\xc2\xa0", ' '},     {"\xe2\x80\xaf", ' '}, {"\xe2\x80\x87", ' '}, {"\xe2\x80\x89", ' '}, {"\xe2\x80\x82", ' '},
-    {"\xe2\x80\x83", ' '}, {"\xe3\x80\x80", ' '}, {"\xef\xbb\xbf", 0},   {"\xe2\x80\x8b", 0},   {"\xe2\x80\x8e", 0},
-    {"\xe2\x80\x8f", 0},
+    {"\xe2\x88\x92", '-'}, {"\xe2\x80\x92", '-'}, {"\xe2\x80\x93", '-'}, {"\xe2\x80\x94", '-'},
+    {"\xef\xbc\x8d", '-'}, {"\xc2\xa0", ' '},     {"\xe2\x80\xaf", ' '}, {"\xe2\x80\x87", ' '},
+    {"\xe2\x80\x89", ' '}, {"\xe2\x80\x82", ' '}, {"\xe2\x80\x83", ' '}, {"\xe3\x80\x80", ' '},
+    {"\xef\xbb\xbf", 0},   {"\xe2\x80\x8b", 0},   {"\xe2\x80\x8e", 0},   {"\xe2\x80\x8f", 0},
 };
 
 enum io_utf16 brdffit_io_utf16(const unsigned char *data, size_t size)

@@ -46,8 +46,11 @@ static const struct vocabulary vocabulary[] = {
      " index idx id no nr num number row sample samples point pt seq sequence unnamed frame image img line step scan "},
     {WORD_WAVELENGTH, "wavelength", " wavelength wavelengths lambda wl wvl nm "},
     {WORD_CONDITION, "left out: a condition",
-     " temperature temp time timestamp date datetime exposure gain humidity pressure thickness dark background "
-     "integration duration elapsed distance pos position coordinate coord pixel "},
+     " temperature temp time timestamp date datetime humidity pressure thickness duration elapsed distance pos position "
+     "coordinate coord pixel "},
+    {WORD_CORRECTION, "left out, with a warning: a correction", " exposure gain dark background integration "},
+    {WORD_TURN, "refused unless directions are complete: a rotation",
+     " tilt rotation rot yaw pitch roll inclination declination heading slope aspect "},
     {WORD_REMARK, "left out: a remark",
      " note notes comment comments remark remarks description operator filename file path instrument serial label "},
     {WORD_GROUP, "left out where it is the same throughout, else refused",
@@ -69,9 +72,9 @@ static const struct {
 static const struct {
     const char *word, *first, *second;
 } compounds[] = {
-    {"sza", "sun", "zenith"}, {"saa", "sun", "azimuth"},  {"vza", "view", "zenith"}, {"vaa", "view", "azimuth"},
-    {"raa", "rel", "azimuth"}, {"aoi", "light", "angle"}, {"aor", "view", "angle"},  {"aos", "view", "angle"},
-    {"dphi", "rel", "phi"},   {"deltaphi", "rel", "phi"}, {"relphi", "rel", "phi"},  {"phirel", "rel", "phi"},
+    {"sza", "sun", "zenith"},   {"saa", "sun", "azimuth"},  {"vza", "view", "zenith"}, {"vaa", "view", "azimuth"},
+    {"raa", "rel", "azimuth"},  {"aoi", "light", "angle"},  {"aor", "view", "angle"},  {"aos", "view", "angle"},
+    {"dphi", "rel", "phi"},     {"deltaphi", "rel", "phi"}, {"relphi", "rel", "phi"},  {"phirel", "rel", "phi"},
     {"dazimuth", "rel", "phi"},
 };
 
@@ -126,7 +129,8 @@ static enum io_word class_of(const char *text, size_t length)
 
 static enum io_unit unit_word(const char *text, size_t length)
 {
-    static const char *const degrees = " deg degs degree degrees degre grad° ", *const radians = " rad rads radian radians ";
+    static const char *const degrees = " deg degs degree degrees degre grad° ", *const radians =
+                                                                                    " rad rads radian radians ";
 
     if (listed(degrees, text, length)) {
         return UNIT_DEGREES;
@@ -314,8 +318,9 @@ static size_t bare(const struct io_field *field, char *out, size_t most)
 
 enum io_unit brdffit_io_unit(const struct io_field *field)
 {
-    static const char *const others = " 1/sr sr^-1 sr-1 /sr 1/steradian sr a.u. au arb. none 1 - nm um mm c k v s ms w/m2 "
-                                      "w/sr/m2 cd/m2 w/m^2 counts unitless dimensionless sr^{-1} ";
+    static const char *const others =
+        " 1/sr sr^-1 sr-1 /sr 1/steradian sr a.u. au arb. none 1 - nm um mm c k v s ms w/m2 "
+        "w/sr/m2 cd/m2 w/m^2 counts unitless dimensionless sr^{-1} ";
     char text[32];
     const size_t n = bare(field, text, sizeof text);
 

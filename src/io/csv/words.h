@@ -36,6 +36,8 @@ enum io_word {
     WORD_INDEX,
     WORD_WAVELENGTH,
     WORD_CONDITION, /* temperature, time: about the measurement, not of it */
+    WORD_CORRECTION, /* dark level, exposure: what the values may still need */
+    WORD_TURN,      /* tilt, rotation: of a sample or an arm, which says nothing of how */
     WORD_REMARK,
     WORD_GROUP, /* what tells several measurements in a file apart */
     WORD_LOGARITHM,
