@@ -67,6 +67,7 @@ static void test_fields(void **state)
         {ANGLES "-181,0,0,0,1,2,3\n", BRDFFIT_ERR_VALUE, "theta_i is not in [-180, 180]", 2, 1, 0, NOWHERE, -181},
         {ANGLES "0,0,180.5,0,1,2,3\n", BRDFFIT_ERR_VALUE, "theta_o is not in [-180, 180]", 2, 3, 0, NOWHERE, 180.5},
         {"r,theta_o,theta_i\n1,2,3\n1,2,-300\n", BRDFFIT_ERR_VALUE, "theta_i", 3, 3, 1, NOWHERE, -300},
+        {ANGLES "0,-999,0,0,1,2,3\n", BRDFFIT_ERR_VALUE, "two turns", 2, 2, 0, NOWHERE, -999},
         {"theta_i,theta_o,w,r\n1,1,-2,1\n", BRDFFIT_ERR_VALUE, "weight is negative", 2, 3, 0, NOWHERE, -2},
         {"theta_i,theta_o,w,r\n1,1,nan,1\n", BRDFFIT_ERR_VALUE, "no value", 2, 3, 0, NOWHERE, 0},
         {"theta_i,theta_o,w,r\n1,1,,1\n", BRDFFIT_ERR_VALUE, "empty", 2, 3, 0, NOWHERE, 0},

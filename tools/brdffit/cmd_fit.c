@@ -10,6 +10,7 @@
 #include "job.h"
 #include "json_fit.h"
 #include "lobes_auto.h"
+#include "misfit.h"
 #include "models.h"
 #include "output.h"
 #include "reading.h"
@@ -82,6 +83,9 @@ static int publish(struct run *r, const struct cli_job *job)
     if (fitted && job->result->stop == BRDFFIT_STOP_CONTRADICTION) {
         fprintf(stderr, "brdffit: %s: the proof contradicts the fit: an error in brdffit, nothing is proven\n",
                 job->path);
+    }
+    if (fitted && r->settings->json && !r->settings->quiet) {
+        brdffit_cli_say_misfit(job);
     }
     if (r->settings->json) {
         brdffit_cli_json_fit(&text, job, &r->fitter);

@@ -14,4 +14,7 @@ const char *brdffit_cli_misfit_name(unsigned bit);
 void brdffit_cli_misfit_warnings(struct cli_text *text, struct cli_style style, const struct cli_job *job,
                                  const brdffit_options *options);
 
+/* The first two on standard error, where no report is written. */
+void brdffit_cli_say_misfit(const struct cli_job *job);
+
 #endif

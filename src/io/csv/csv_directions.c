@@ -14,6 +14,9 @@
 
 #define DEGREES 57.29577951308232 /* 180 / pi */
 
+/* Degrees beyond which an azimuth is a mark of missing ones or damage: two turns. */
+#define MOST_AZIMUTH 720.0
+
 /* Radians beyond which an angle cannot be one: two turns. */
 #define MOST_RADIANS 12.6
 
@@ -67,7 +70,7 @@ static int angle(struct csv_reader *r, const double *value, enum csv_role role, 
         *degrees *= DEGREES;
     }
     *degrees = elevation ? 90.0 - *degrees : *degrees;
-    return !is_polar(role) || (*degrees >= -180.0 && *degrees <= 180.0);
+    return fabs(*degrees) <= (is_polar(role) ? 180.0 : MOST_AZIMUTH);
 }
 
 static const char *bad_angle(const struct csv_reader *r, enum csv_role role)
@@ -78,7 +81,8 @@ static const char *bad_angle(const struct csv_reader *r, enum csv_role role)
     }
     return role == CSV_THETA_I   ? "theta_i is not in [-180, 180] degrees"
            : role == CSV_THETA_O ? "theta_o is not in [-180, 180] degrees"
-                                 : "the polar angle is not in [-180, 180] degrees";
+           : is_polar(role)      ? "the polar angle is not in [-180, 180] degrees"
+                                 : "an azimuth beyond two turns";
 }
 
 /* Angles of the roles from `first` to `last`, in degrees; or what is wrong. */
