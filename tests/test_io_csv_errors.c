@@ -29,8 +29,9 @@ static void refuse_all(const struct refusal *refusal, size_t count)
 
         memset(&error, 0x5a, sizeof error);
         status = io_text(r->text, NULL, &table, &error);
-        if (status != r->status || status == BRDFFIT_OK || !strstr(error.message, r->message) || error.line != r->line ||
-            error.column != r->column || error.sample != r->sample || error.channel != r->channel) {
+        if (status != r->status || status == BRDFFIT_OK || !strstr(error.message, r->message) ||
+            error.line != r->line || error.column != r->column || error.sample != r->sample ||
+            error.channel != r->channel) {
             error.message = status == BRDFFIT_OK ? "read" : error.message;
             print_error("'%s'\n-> %d '%s' line %zd column %zd sample %zd channel %zd value %g\n", r->text, (int)status,
                         error.message, (ssize_t)error.line, (ssize_t)error.column, (ssize_t)error.sample,

@@ -66,7 +66,8 @@ def test_one_stream_of_lines(desk):
 
 
 def test_the_exit_status_is_that_of_one_run(desk):
-    for files, options in [(["single.csv", "matte.csv"], ()), (["single.csv", "infinite.csv"], ()), (["infinite.csv", "missing.csv"], ()),
+    for files, options in [(["single.csv", "matte.csv"], ()), (["single.csv", "infinite.csv"], ()),
+                           (["infinite.csv", "missing.csv"], ()),
                            (["mis.csv", "single.csv"], ("--lobes", "2", "--box-budget", "1")),
                            (["mis.csv", "infinite.csv"], ("--lobes", "2", "--box-budget", "1"))]:
         wanted = harness.run("fit", "--json", "-q", *options, *files, cwd=desk).returncode

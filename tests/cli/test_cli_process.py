@@ -36,8 +36,8 @@ def reading(process):
 
 
 def test_batch_keeps_order_and_goes_on(desk):
-    names = ["matte.csv", "infinite.csv", "two_lobe_table.binary", "missing.csv", "single.csv", "lying.binary", "ggx_metal.csv", ".",
-             "two_lobe_satin.csv", "truncated.csv.gz", "mis.csv"]
+    names = ["matte.csv", "infinite.csv", "two_lobe_table.binary", "missing.csv", "single.csv", "lying.binary",
+             "ggx_metal.csv", ".", "two_lobe_satin.csv", "truncated.csv.gz", "mis.csv"]
     bad = {"infinite.csv", "missing.csv", "lying.binary", ".", "truncated.csv.gz"}
     lines = harness.fit(*names, "--lobes", "2", cwd=desk, expect=1)
     assert [line["file"] for line in lines] == names
@@ -49,7 +49,8 @@ def test_batch_keeps_order_and_goes_on(desk):
 
 
 @pytest.mark.parametrize("names, code", [
-    (["single.csv"], 0), (["single.csv", "infinite.csv"], 3), (["missing.csv", "infinite.csv"], 1), (["infinite.csv", "missing.csv"], 1),
+    (["single.csv"], 0), (["single.csv", "infinite.csv"], 3), (["missing.csv", "infinite.csv"], 1), (["infinite.csv",
+        "missing.csv"], 1),
     (["single.csv", "mis.csv"], 4), (["mis.csv", "infinite.csv"], 3), (["mis.csv", "missing.csv", "infinite.csv"], 1),
 ])
 def test_the_worst_exit_code_wins(desk, names, code):
@@ -97,7 +98,7 @@ def test_output_that_cannot_be_written(desk, command):
 
 def test_reader_that_went_away(desk):
     """Quietly: `brdffit fit ... | head` is nobody's fault."""
-    for command in (["fit", "--json", "matte.csv", "mis.csv"], ["info", "matte.csv"], ["--help"]):
+    for command in (["fit", "--json", "--quiet", "matte.csv", "mis.csv"], ["info", "matte.csv"], ["--help"]):
         read, write = os.pipe()
         os.close(read)
         done = subprocess.run([harness.BRDFFIT, *command], cwd=desk, stdout=write, stderr=subprocess.PIPE,

@@ -16,13 +16,15 @@
 #include "weigh.h"
 #include "words.h"
 
-#define NUMBER_WIDTH 12
+#define NUMBER_WIDTH 11
 #define PARAMETER_WIDTH 15
 #define LONGEST_CHANNEL 16
 /* With three lobes, so that the table still fits. */
 #define NUMBER_NARROW 10
-#define CHANNEL_SHORT 12
-#define R2_WIDTH 9
+/* Names in the table of channels, which has a column for each lobe. */
+#define CHANNEL_TWO 14
+#define CHANNEL_SHORT 9
+#define R2_WIDTH 8
 
 void brdffit_cli_cell(struct cli_text *text, struct cli_style style, const char *string, int width)
 {
@@ -164,7 +166,9 @@ static void channel_table(struct cli_text *text, struct cli_style style, const s
     const brdffit_result *const result = job->result;
     const int lobes = result->model->lobes;
     const int digits = lobes > 2 ? 4 : 5, number = lobes > 2 ? NUMBER_NARROW : NUMBER_WIDTH,
-              widest = lobes > 2 ? CHANNEL_SHORT : LONGEST_CHANNEL;
+              widest = lobes > 2   ? CHANNEL_SHORT
+                       : lobes > 1 ? CHANNEL_TWO
+                                   : LONGEST_CHANNEL;
     const int wanted = brdffit_cli_channel_width(style, job->table), width = wanted > widest ? widest : wanted;
     brdffit_cli_text_puts(text, "\n  ");
     brdffit_cli_cell(text, style, "channel", -width);

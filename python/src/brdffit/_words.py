@@ -140,7 +140,8 @@ def _family(fit: Fit) -> str:
     """Which models the bound is about."""
     if not np.any(np.isfinite(fit.proven_sigma[:, 0])):
         return "diffuse fit" + _terms.words(fit)
-    found = ["%s in [%s, %s]" % (letter, *_proven(fit, by)) for letter, by in (("σ", "sigma"), ("n", "exponent"))  # type: ignore[misc]
+    found = ["%s in [%s, %s]" % (letter, *_proven(fit, by)) for letter, by in (("σ", "sigma"), ("n",
+        "exponent"))  # type: ignore[misc]
              if by in fit.parameters]
     return "%s%s %s %s" % (_lobes.family(fit.distributions), _terms.words(fit),
                            "and" if len(set(fit.distributions)) == 1 else "with", " and ".join(found))
@@ -214,8 +215,9 @@ def _proof(fit: Fit) -> str:
 def warnings(fit: Fit) -> list[str]:
     """A sentence for each thing that looks wrong: in the data, in how the model describes them, in a lobe (of an unused one only
     that)."""
-    return ["Warning, data: %s" % _sentence(note) for note in fit.data_warnings] + _misfit(fit) + ["Warning, lobe %d: %s" % (p + 1, _warning(fit, p, word)) for p, words in enumerate(fit.warnings)
-            for word in words if word == "unused" or "unused" not in words] + _terms.warnings(fit)
+    return ["Warning, data: %s" % _sentence(note) for note in fit.data_warnings] + _misfit(fit) + [
+        "Warning, lobe %d: %s" % (p + 1, _warning(fit, p, word)) for p, words in enumerate(fit.warnings)
+        for word in words if word == "unused" or "unused" not in words] + _terms.warnings(fit)
 
 
 def _sentence(note: str) -> str:

@@ -64,7 +64,8 @@ class Fit(Frozen):
     r2: K, 1 - sum w r^2 / sum w (I - mean I)^2 of radiance I and its residuals r, NaN where I does not vary; r2_total,
         relative_rms (sqrt(sum w r^2 / sum w I^2)): of all channels in units of their largest I; foreseen: the share of squared
         residuals that those of neighbouring samples foretell, near 1 where the model misses something; misfit: "poor" (in some
-        channel R^2 below 0.5 and residuals above 0.1 of the data), "patterned" (foreseen above 0.77, relative_rms above 0.02): this model does not
+        channel R^2 below 0.5 and residuals above 0.1 of the data), "patterned" (foreseen above 0.77,
+        relative_rms above 0.02): this model does not
         describe these data (see brdffit_quality of brdffit.h). None in fits of fit_many
     weight: share of each lobe; effective_samples: how many samples it rests on
     sigma_interval: P x 2, where E^2 is the optimum's to rounding; warnings: per lobe, of "unresolved", "flat",

@@ -4,7 +4,7 @@
 #ifndef BRDFFIT_IO_CHOICE_H
 #define BRDFFIT_IO_CHOICE_H
 
-#include "io/csv/layout.h"
+#include "io/csv/columns.h"
 
 /* Give the columns that options name the roles that they say. Fails where there is no such role or column. */
 brdffit_status brdffit_io_choose_columns(struct csv_layout *layout, brdffit_error *error);

@@ -5,7 +5,7 @@
 #define BRDFFIT_IO_CSV_READER_H
 
 #include "io/csv/cell.h"
-#include "io/csv/layout.h"
+#include "io/csv/columns.h"
 #include "io/fail.h"
 
 /* What has been seen so far, for what is said at the end. */

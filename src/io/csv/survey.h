@@ -4,7 +4,7 @@
 #ifndef BRDFFIT_IO_SURVEY_H
 #define BRDFFIT_IO_SURVEY_H
 
-#include "io/csv/layout.h"
+#include "io/csv/columns.h"
 
 /*
  * Make every column of the layout a role, a channel or ignored, looking through the lines where that takes their numbers;
