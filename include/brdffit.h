@@ -596,8 +596,10 @@ BRDFFIT_API brdffit_status brdffit_f0_interval(const brdffit_samples *samples, c
                                                brdffit_error *error);
 
 /* Bits of brdffit_quality(): the model does not describe these data. */
-#define BRDFFIT_MISFIT_POOR 1u      /* in some channel R^2 is below 0.5 and residuals are above 0.1 of the data (norms L2, LINF) */
-#define BRDFFIT_MISFIT_PATTERNED 2u /* residuals above 0.02 of the data, and the neighbours of a sample foretell more than
+#define BRDFFIT_MISFIT_POOR                                                                                            \
+    1u      /* in some channel R^2 is below 0.5 and residuals are above 0.1 of the data (norms L2, LINF) */
+#define BRDFFIT_MISFIT_PATTERNED                                                                                       \
+    2u /* residuals above 0.02 of the data, and the neighbours of a sample foretell more than
                                        0.77 of their squares: they are no noise. Of 20 samples or more */
 
 /*

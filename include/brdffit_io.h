@@ -61,7 +61,8 @@ typedef enum brdffit_io_values {
 #define BRDFFIT_IO_DEGREES 1u        /* however small the angles are */
 #define BRDFFIT_IO_RADIANS 2u
 #define BRDFFIT_IO_ELEVATION 4u      /* polar angles count from the surface up */
-#define BRDFFIT_IO_MIRROR_AT_ZERO 8u /* the mirror direction is at the azimuth of the light; signed angles in a plane: at
+#define BRDFFIT_IO_MIRROR_AT_ZERO                                                                                      \
+    8u /* the mirror direction is at the azimuth of the light; signed angles in a plane: at
                                         theta_o = -theta_i */
 #define BRDFFIT_IO_LIGHT_TRAVELS 16u /* light vectors point the way that light travels, to the surface */
 #define BRDFFIT_IO_Y_UP 32u          /* the normal is +y */
@@ -78,18 +79,18 @@ typedef struct brdffit_io_options {
     int directions_only;         /* 1: a CSV needs no channel; its samples may then have none (channels 0,
                                     values NULL): places to evaluate at or to look up, nothing to fit */
     const brdffit_samples *directions; /* form DIRECTIONS, used with MERL_DIRECTIONS */
-    const char *channels;        /* CSV: names separated by commas: these columns are the channels, in the file's order, and
+    const char *channels; /* CSV: names separated by commas: these columns are the channels, in the file's order, and
                                     what means nothing else is left out. NULL: see brdffit_io_read() */
-    const char *columns;         /* CSV: "role=name,role=name": what columns mean that are not understood, or wrongly. Roles:
+    const char *columns; /* CSV: "role=name,role=name": what columns mean that are not understood, or wrongly. Roles:
                                     theta_i, phi_i, theta_o, phi_o, phi (between the two), theta_h, phi_h, theta_d, phi_d,
                                     lx to nz, a, b, c, weight, uncertainty, wavelength, channel, ignore. NULL: none */
     brdffit_io_missing missing;
-    brdffit_io_values values;    /* not with quantity RADIANCE */
-    unsigned directions_as;      /* BRDFFIT_IO_DEGREES | ...; 0: as the header says, and in degrees */
-    int reserved;                /* 0 */
-    double missing_value;        /* used with BRDFFIT_IO_MISSING_VALUE */
-    double saturated;            /* > 0: samples with a value at or above it are left out; 0: none */
-    char *fault;                 /* room for fault_size bytes: the text of the field that an error is about, terminated and
+    brdffit_io_values values; /* not with quantity RADIANCE */
+    unsigned directions_as; /* BRDFFIT_IO_DEGREES | ...; 0: as the header says, and in degrees */
+    int reserved; /* 0 */
+    double missing_value; /* used with BRDFFIT_IO_MISSING_VALUE */
+    double saturated; /* > 0: samples with a value at or above it are left out; 0: none */
+    char *fault; /* room for fault_size bytes: the text of the field that an error is about, terminated and
                                     printable; empty when it is about none. NULL: not wanted */
     size_t fault_size;
 } brdffit_io_options;
@@ -109,18 +110,18 @@ typedef struct brdffit_io_note {
  * Release with brdffit_io_free().
  */
 typedef struct brdffit_table {
-    brdffit_samples *samples;    /* ready for brdffit_fit() */
-    char **channel_names;        /* samples->channels strings */
-    size_t *lines;               /* per sample, the line of the text file; NULL for MERL */
-    brdffit_io_format format;    /* what the file turned out to be */
-    int compressed;              /* 1 for gzip */
-    const size_t *dropped;       /* BRDFFIT_IO_DROP_COUNT counts, by brdffit_io_drop */
-    size_t negative;             /* samples kept that have a negative value (CSV only) */
-    size_t dims[3];              /* MERL: theta_h, theta_d, phi_d bins; else 0 */
-    size_t rows;                 /* entries in the file: CSV data lines, or MERL cells */
+    brdffit_samples *samples; /* ready for brdffit_fit() */
+    char **channel_names; /* samples->channels strings */
+    size_t *lines; /* per sample, the line of the text file; NULL for MERL */
+    brdffit_io_format format; /* what the file turned out to be */
+    int compressed; /* 1 for gzip */
+    const size_t *dropped; /* BRDFFIT_IO_DROP_COUNT counts, by brdffit_io_drop */
+    size_t negative; /* samples kept that have a negative value (CSV only) */
+    size_t dims[3]; /* MERL: theta_h, theta_d, phi_d bins; else 0 */
+    size_t rows; /* entries in the file: CSV data lines, or MERL cells */
     brdffit_io_merl_bins merl_bins;
     brdffit_io_merl_sampling merl_sampling;
-    brdffit_sums *sums;          /* by brdffit_io_read_sums(), or NULL */
+    brdffit_sums *sums; /* by brdffit_io_read_sums(), or NULL */
     const brdffit_io_note *notes; /* what was inferred from a text, and what looks wrong in it */
     size_t note_count;
 } brdffit_table;
@@ -201,8 +202,8 @@ BRDFFIT_API const char *brdffit_io_column_words(size_t i, const char **what);
 
 typedef enum brdffit_io_container {
     BRDFFIT_IO_NPY = 0, /* NumPy's .npy, versions 1 to 3 */
-    BRDFFIT_IO_NPZ,     /* a .npy in a zip, stored or deflated; zip64 too */
-    BRDFFIT_IO_PFM      /* "PF" colour or "Pf" grey, float32, either byte order */
+    BRDFFIT_IO_NPZ, /* a .npy in a zip, stored or deflated; zip64 too */
+    BRDFFIT_IO_PFM /* "PF" colour or "Pf" grey, float32, either byte order */
 } brdffit_io_container;
 
 /*
@@ -212,14 +213,14 @@ typedef enum brdffit_io_container {
  */
 typedef struct brdffit_array {
     brdffit_io_container container;
-    char kind;         /* as in NumPy: 'b' bool, 'i', 'u' integer, 'f' float */
-    int item_size;     /* bytes: 1, 2, 4 or 8; floats 2, 4 or 8 */
-    int big_endian;    /* of more than one byte */
+    char kind; /* as in NumPy: 'b' bool, 'i', 'u' integer, 'f' float */
+    int item_size; /* bytes: 1, 2, 4 or 8; floats 2, 4 or 8 */
+    int big_endian; /* of more than one byte */
     int fortran_order; /* the first index runs fastest in the file */
-    int compressed;    /* a deflated member of a .npz: unpacked when opened */
-    int dims;          /* 0 to BRDFFIT_IO_MAX_DIMS */
+    int compressed; /* a deflated member of a .npz: unpacked when opened */
+    int dims; /* 0 to BRDFFIT_IO_MAX_DIMS */
     size_t shape[BRDFFIT_IO_MAX_DIMS]; /* each at least 1 */
-    size_t count;      /* product of shape; count * item_size fits size_t */
+    size_t count; /* product of shape; count * item_size fits size_t */
 } brdffit_array;
 
 /*

@@ -64,7 +64,7 @@ static void test_fields(void **state)
         {ANGLES "0,0,0,0,\"1,5\",2.5,3\n", BRDFFIT_ERR_VALUE, "decimal commas and", 2, 6, 0, 1, 0},
         {"theta_i;theta_o;r\n10;0;1,234\n", BRDFFIT_ERR_VALUE, "thousands", 2, 3, NOWHERE, NOWHERE, 0},
         {"theta_i\ttheta_o\tr\n10\t0\t1,234.5\n", BRDFFIT_ERR_VALUE, "thousands", 2, 3, 0, 0, 0},
-        {"theta_i;theta_o;r\n10;0;12 345\n", BRDFFIT_ERR_VALUE, "thousands", 2, 3, 0, 0, 12},
+        {"theta_i;theta_o;r\n10;0;12 345\n", BRDFFIT_ERR_VALUE, "thousands", 2, 3, 0, 0, 0},
         {ANGLES "-181,0,0,0,1,2,3\n", BRDFFIT_ERR_VALUE, "theta_i is not in [-180, 180]", 2, 1, 0, NOWHERE, -181},
         {ANGLES "0,0,180.5,0,1,2,3\n", BRDFFIT_ERR_VALUE, "theta_o is not in [-180, 180]", 2, 3, 0, NOWHERE, 180.5},
         {"r,theta_o,theta_i\n1,2,3\n1,2,-300\n", BRDFFIT_ERR_VALUE, "theta_i", 3, 3, 1, NOWHERE, -300},
