@@ -321,17 +321,40 @@ static void test_other_binaries(void **state)
     assert_int_equal(error.line, 1);
 }
 
+/* Written on another machine: named, not read as what its bytes happen to be. */
+static void test_big_endian(void **state)
+{
+    struct io_merl merl = io_merl_new(6, 4, 8);
+    brdffit_table *table;
+    brdffit_error error;
+    brdffit_status status;
+    size_t i, k;
+
+    (void)state;
+    for (i = 0; i < 3 * merl.cells; i++) {
+        unsigned char *entry = merl.data + 12 + 8 * i;
+
+        io_put(&merl, i / merl.cells, i % merl.cells, i % 7 == 3 ? -1.0 : (double)(i + 1) / 7.0);
+        for (k = 0; k < 4; k++) {
+            const unsigned char swap = entry[k];
+
+            entry[k] = entry[7 - k];
+            entry[7 - k] = swap;
+        }
+    }
+    status = brdffit_io_read_memory(merl.data, merl.size, NULL, &table, &error);
+    io_assert_failed(status, table, &error, BRDFFIT_ERR_FORMAT, "big-endian");
+    free(merl.data);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_cell),
-                                       cmocka_unit_test(test_what_it_says),
-                                       cmocka_unit_test(test_exactly_on_the_horizon),
-                                       cmocka_unit_test(test_masked),
-                                       cmocka_unit_test(test_all_masked),
-                                       cmocka_unit_test(test_not_finite),
-                                       cmocka_unit_test(test_wrong_size),
-                                       cmocka_unit_test(test_lying_header),
-                                       cmocka_unit_test(test_other_binaries)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_big_endian),   cmocka_unit_test(test_every_cell),
+        cmocka_unit_test(test_what_it_says), cmocka_unit_test(test_exactly_on_the_horizon),
+        cmocka_unit_test(test_masked),       cmocka_unit_test(test_all_masked),
+        cmocka_unit_test(test_not_finite),   cmocka_unit_test(test_wrong_size),
+        cmocka_unit_test(test_lying_header), cmocka_unit_test(test_other_binaries)};
 
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,6 +10,7 @@
 #include "eval_table.h"
 #include "failure.h"
 #include "reading.h"
+#include "sample.h"
 #include "weigh.h"
 #include "words.h"
 
@@ -115,6 +116,29 @@ static void print_figures(const struct cli_comparison *c, const struct cli_figur
     brdffit_cli_text_free(&text);
 }
 
+/* Places that are lit from further off than any sample of the fit, which knows nothing of Fresnel there. */
+static void say_extrapolated(const struct cli_comparison *c)
+{
+    const struct cli_fit *const fit = c->fit;
+    const brdffit_samples *const samples = c->table->samples;
+    size_t beyond = 0;
+    if (!(fit->max_incidence < 90) || fit->model.fresnel != BRDFFIT_FRESNEL_NONE) {
+        return;
+    }
+    const double least = cos((fit->max_incidence + 1e-6) * (3.14159265358979323846 / 180));
+    for (size_t i = 0; i < samples->count; i++) {
+        struct cli_angles angles;
+        brdffit_cli_angles(samples, i, &angles);
+        beyond += angles.cos_light > 0 && angles.cos_light < least;
+    }
+    if (beyond > 0) {
+        fprintf(stderr,
+                "brdffit: %zu of %zu places are lit from beyond %.6g degrees, further than the samples of the fit: "
+                "extrapolated, without Fresnel\n",
+                beyond, samples->count, fit->max_incidence);
+    }
+}
+
 /* The table is there: evaluate, write, compare. */
 static int evaluate(const struct cli_settings *settings, struct cli_comparison *c, double *fitted, double *rms)
 {
@@ -139,6 +163,7 @@ static int evaluate(const struct cli_settings *settings, struct cli_comparison *
     if (settings->quiet) {
         return 0;
     }
+    say_extrapolated(c);
     if (!c->complete) {
         fprintf(stderr, "brdffit: not every channel of the fit is in the file: no E^2 or RMS\n");
         return 0;

@@ -42,7 +42,7 @@ void brdffit_cli_cell(struct cli_text *text, struct cli_style style, const char 
 
 void brdffit_cli_number_cell(struct cli_text *text, double value, int digits, int width)
 {
-    brdffit_cli_text_printf(text, "%*.*g", width, digits, value);
+    brdffit_cli_text_printf(text, " %*.*g", width - 1, digits, value); /* a blank even before 1.2345e-100 */
 }
 
 int brdffit_cli_channel_width(struct cli_style style, const brdffit_table *table)

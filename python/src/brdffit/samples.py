@@ -139,9 +139,11 @@ class Samples(Frozen):
                     cos_difference: npt.ArrayLike, values: npt.ArrayLike, *, weights: npt.ArrayLike | None = None,
                     channels: Sequence[str] | None = None, quantity: str = "brdf") -> Samples:
         """By angles alone, as tables in half and difference angles have them (N each): n.l, n.v, the squared tangent of the
-        half angle, v.h."""
+        half angle, v.h. They belong together: n.l + n.v = 2 (v.h) (n.h), to 1e-3."""
         data = _rows(values)
         n = len(data)
+        _belong(*(column(name, value, n) for name, value in (("cos_light", cos_light), ("cos_view", cos_view),
+                                                            ("tan2_half", tan2_half), ("cos_difference", cos_difference))))
         return cls(values=data, channels=_names(channels, data), quantity=quantity, form="angles",
                    cos_light=column("cos_light", cos_light, n), cos_view=column("cos_view", cos_view, n),
                    tan2_half=column("tan2_half", tan2_half, n),
@@ -288,6 +290,17 @@ def _rows(values: npt.ArrayLike) -> Floats:
     if data.ndim not in (1, 2):
         raise DataError("values must be N x K or N, not shape %s" % (data.shape,), code="argument")
     return data.reshape(-1, 1) if data.ndim == 1 else data
+
+
+def _belong(cos_light: Floats, cos_view: Floats, tan2_half: Floats, cos_difference: Floats) -> None:
+    """Whether four angles are of one pair of directions: h is between the two."""
+    with np.errstate(invalid="ignore"):
+        off = np.abs(cos_light + cos_view - 2 * cos_difference / np.sqrt(1 + tan2_half))
+    wrong = np.flatnonzero((off > 1e-3) & (cos_light > 0) & (cos_view > 0))
+    if len(wrong):
+        raise DataError("cos_light + cos_view is not 2 cos_difference / sqrt(1 + tan2_half), which it is of any two directions: "
+                        "are all four cosines and a squared tangent, in this order?", code="value", sample=int(wrong[0]),
+                        value=float(off[wrong[0]]))
 
 
 def _names(channels: Sequence[str] | None, values: Floats) -> tuple[str, ...]:
