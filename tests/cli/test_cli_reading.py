@@ -314,6 +314,10 @@ NUMBERS = {
         "reflectance-factor"]),
     "radiance": same(lines(rows=[[*r[:4], *("%.6g" % (v * np.cos(np.radians(a[0]))) for v in row)]
                            for r, a, row in zip(ROWS, ANGLES, VALUES)]), options=["--values", "radiance"]),
+    "radiance_by_name": warned(lines([*NAMES[:4], "radiance"], [r[:5] for r in ROWS]), "--values radiance"),
+    "times_cosine_by_name": warned(lines([*NAMES[:4], "brdf*cos"], [r[:5] for r in ROWS]), "--values"),
+    "reflectance_factor_by_name": warned(lines([*NAMES[:4], "BRF"], [r[:5] for r in ROWS]), "--values reflectance-factor"),
+    "azimuth_missing_at_the_normal": same(lines(rows=[[*r[:3], "NaN" if r[2] == "0" else r[3], *r[4:]] for r in ROWS])),
     "infinite": refused(lines(rows=cell(ROWS, 5, 4, "inf")), "infinite", "'inf'"),
     "hexadecimal": refused(lines(rows=cell(ROWS, 5, 4, "0x1p3")), "hexadecimal"),
     "missing_word_that_is_none": refused(lines(), "--missing", options=["--missing", "some"], code=2),

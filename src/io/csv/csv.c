@@ -164,6 +164,24 @@ static void note_roles(const struct csv_layout *layout, struct io_table *table)
     }
 }
 
+/* Channels whose names say that they are no f_r, which they are taken for. */
+static void note_values(const struct csv_layout *layout, struct io_table *table)
+{
+    const brdffit_io_options *o = layout->options;
+    size_t j;
+
+    for (j = 0; j < layout->columns; j++) {
+        const char *values = layout->meaning[j].role == CSV_CHANNEL ? brdffit_io_names_values(&layout->names[j]) : NULL;
+        char quoted[IO_QUOTED];
+
+        if (values && !o->quantity_set && o->values == BRDFFIT_IO_VALUES_PLAIN && layout->kind != CSV_COEFFICIENTS) {
+            brdffit_io_table_note(table, 1,
+                                  "column %s is taken as f_r, though its name says something else (--values %s)",
+                                  brdffit_io_column_name(layout, j, quoted), values);
+        }
+    }
+}
+
 static void note_frame(const struct csv_layout *layout, struct io_table *table)
 {
     const enum csv_role first = layout->kind == CSV_HALF_ANGLES ? CSV_THETA_H : CSV_THETA_I;
@@ -219,6 +237,7 @@ static brdffit_status body(struct io_lines *lines, struct csv_layout *layout, co
     if (status == BRDFFIT_OK) {
         note_roles(layout, table);
         note_frame(layout, table);
+        note_values(layout, table);
         open_arrays(layout, table);
         status = read_rows(&reader, lines);
     }

@@ -18,6 +18,7 @@ struct row {
     double value[CSV_ROLE_COUNT];
     size_t channels_missing; /* of this row */
     size_t role_missing;     /* a column with a role that has no value, or BRDFFIT_NONE */
+    size_t roles_missing;    /* how many there are */
     int missing, saturated, negative;
 };
 
@@ -141,11 +142,32 @@ static brdffit_status numbers(struct row *row)
             take_value(row, j, k++, cell, value);
         } else if (cell != IO_CELL_NUMBER) {
             row->role_missing = row->role_missing == BRDFFIT_NONE ? j : row->role_missing;
+            row->roles_missing++;
         } else {
             row->value[role] = value;
         }
     }
     return BRDFFIT_OK;
+}
+
+/* At the normal an azimuth means nothing, and instruments leave it out: it is 0 there. Others stay missing. */
+static void settle_azimuth(struct row *row)
+{
+    static const struct {
+        enum csv_role azimuth, polar, other;
+    } pairs[] = {{CSV_PHI_I, CSV_THETA_I, CSV_THETA_I},
+                 {CSV_PHI_O, CSV_THETA_O, CSV_THETA_O},
+                 {CSV_PHI, CSV_THETA_I, CSV_THETA_O}};
+    const struct csv_layout *layout = row->reader->layout;
+    size_t i;
+
+    for (i = 0; i < sizeof pairs / sizeof *pairs && layout->kind == CSV_ANGLES && row->roles_missing == 1; i++) {
+        if (layout->column[pairs[i].azimuth] == row->role_missing &&
+            (row->value[pairs[i].polar] == 0.0 || row->value[pairs[i].other] == 0.0)) {
+            row->role_missing = BRDFFIT_NONE;
+            return;
+        }
+    }
 }
 
 /* ---- What becomes of them ------------------------------------------------ */
@@ -334,6 +356,7 @@ brdffit_status brdffit_io_csv_row(struct csv_reader *reader, const struct io_fie
     if (status != BRDFFIT_OK) {
         return status;
     }
+    settle_azimuth(&row);
     if (row.role_missing != BRDFFIT_NONE && (row.channels_missing == 0 || row.channels_missing < layout->channels)) {
         return fail_field(&row, row.role_missing, BRDFFIT_NONE, BRDFFIT_ERR_VALUE,
                           "the field is empty, or says that there is no value", 0.0);

@@ -263,3 +263,26 @@ struct csv_meaning brdffit_io_meaning(const struct io_field *name)
     }
     return meaning;
 }
+
+const char *brdffit_io_names_values(const struct io_field *name)
+{
+    static const struct {
+        const char *word, *values;
+    } known[] = {{"radiance", "radiance"},         {"ccbrdf", "ccbrdf"},
+                 {"cos", "radiance or ccbrdf"},    {"cosine", "radiance or ccbrdf"},
+                 {"factor", "reflectance-factor"}, {"brf", "reflectance-factor"},
+                 {"hcrf", "reflectance-factor"},   {"hdrf", "reflectance-factor"}};
+    struct io_words words;
+    size_t i;
+    int k;
+
+    brdffit_io_words(name, &words);
+    for (k = 0; k < words.count && words.count <= IO_WORDS_MOST; k++) {
+        for (i = 0; i < sizeof known / sizeof *known; i++) {
+            if (strcmp(words.text[k], known[i].word) == 0) {
+                return known[i].values;
+            }
+        }
+    }
+    return NULL;
+}

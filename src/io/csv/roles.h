@@ -68,6 +68,9 @@ const char *brdffit_io_role_name(enum csv_role role);
 /* The role of that name, or CSV_NAMED_ROLES. */
 enum csv_role brdffit_io_role_named(const char *text, size_t length);
 
+/* What --values calls the quantity that a channel's name says, or NULL: f_r, or nothing. */
+const char *brdffit_io_names_values(const struct io_field *name);
+
 int brdffit_io_is_angle(enum csv_role role);
 
 #endif

@@ -223,9 +223,8 @@ static void note_zeros(struct csv_reader *r)
     if (zeros > 0 && t->samples.count >= TELLING && zeros < t->samples.count && least > 1e-2 * most) {
         brdffit_io_table_note(
             r->table, 1,
-            "%zu samples are 0 in every channel, and no other is near it: not measured? (--missing 0 leaves "
-            "them out)",
-            zeros);
+            "%zu sample%s 0 in every channel, and no other near it: not measured? (--missing 0 leaves them out)", zeros,
+            zeros == 1 ? " is" : "s are");
     }
 }
 
