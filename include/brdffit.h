@@ -152,6 +152,9 @@ typedef struct brdffit_samples {
     const double *values;  /* count x channels, row-major; finite, may be negative (noise) */
     const double *weights; /* count, finite and >= 0, multiplies squared residuals; NULL: all 1.
                               A sample of weight 0 is skipped and its values are not looked at. */
+    const double *tangent; /* DIRECTIONS: N x 3, the tangent of the surface at each sample, which anisotropic lobes are
+                              turned from; any length, what is along the normal does not count. NULL: +x, and with
+                              normals that are not +z anisotropic lobes need it */
 } brdffit_samples;
 
 #define brdffit_samples_init(samples) brdffit_samples_init_sized((samples), sizeof *(samples))
@@ -331,8 +334,8 @@ BRDFFIT_API int brdffit_diffuse_columns(brdffit_diffuse diffuse);
 
 typedef enum brdffit_norm {
     BRDFFIT_NORM_L2 = 0, /* sum_ik w_i r_ik^2 */
-    BRDFFIT_NORM_L1,     /* sum_ik w_i |r_ik|: indifferent to how far an outlier is out */
-    BRDFFIT_NORM_LINF,   /* largest |r_ik| over samples with w_i > 0 */
+    BRDFFIT_NORM_L1, /* sum_ik w_i |r_ik|: indifferent to how far an outlier is out */
+    BRDFFIT_NORM_LINF, /* largest |r_ik| over samples with w_i > 0 */
     BRDFFIT_NORM_COUNT
 } brdffit_norm;
 
@@ -346,7 +349,7 @@ BRDFFIT_API const char *brdffit_norm_string(brdffit_norm norm);
 /* How boxes of roughness are discarded; both prove the same thing. */
 typedef enum brdffit_engine {
     BRDFFIT_ENGINE_MOMENT = 0, /* second-order bounds from convexity in moment space: fast, never allocates */
-    BRDFFIT_ENGINE_SOCP,       /* the paper's feasibility problem by ECOS with certificates checked by us; allocates
+    BRDFFIT_ENGINE_SOCP, /* the paper's feasibility problem by ECOS with certificates checked by us; allocates
                                   a solver per fit; BRDFFIT_ERR_UNSUPPORTED in a build without ECOS */
     BRDFFIT_ENGINE_COUNT
 } brdffit_engine;
@@ -357,9 +360,9 @@ BRDFFIT_API const char *brdffit_engine_string(brdffit_engine engine);
 /* Instruction sets that inner loops are compiled for; the results have the same bits with each. */
 typedef enum brdffit_isa {
     BRDFFIT_ISA_AUTO = 0, /* the best that the build and this processor have */
-    BRDFFIT_ISA_BASE,     /* what the build targets: SSE2 on x86-64, NEON on AArch64 */
+    BRDFFIT_ISA_BASE, /* what the build targets: SSE2 on x86-64, NEON on AArch64 */
     BRDFFIT_ISA_AVX2,
-    BRDFFIT_ISA_AVX512,   /* F, DQ, VL */
+    BRDFFIT_ISA_AVX512, /* F, DQ, VL */
     BRDFFIT_ISA_COUNT
 } brdffit_isa;
 
@@ -371,7 +374,7 @@ BRDFFIT_API int brdffit_isa_supported(brdffit_isa isa);
 
 typedef enum brdffit_normalise {
     BRDFFIT_NORMALISE_MAX = 0, /* divide each channel by its largest used radiance (the paper's) */
-    BRDFFIT_NORMALISE_NONE     /* minimise in the data's own units */
+    BRDFFIT_NORMALISE_NONE /* minimise in the data's own units */
 } brdffit_normalise;
 
 /* Return non-zero to stop the search (the result is still valid). Called in the thread of the fit: once after the
@@ -393,21 +396,21 @@ typedef struct brdffit_options {
     brdffit_distribution distribution;
     brdffit_norm norm;
     brdffit_normalise normalise;
-    brdffit_engine engine;   /* of norm L2; the others have their own. Default moment */
-    int socp_every_box;      /* engine socp, norms L1 and LINF: 1 sends every box to ECOS as the paper does; 0
+    brdffit_engine engine; /* of norm L2; the others have their own. Default moment */
+    int socp_every_box; /* engine socp, norms L1 and LINF: 1 sends every box to ECOS as the paper does; 0
                                 (default) decides the ones that it can without */
-    double sigma_min;        /* > 0, >= 1e-12. Default 1e-12 */
-    double sigma_max;        /* >= sigma_min, <= 1e3. Default 6 */
-    double exponent_min;     /* these two instead for distributions whose parameter is the exponent n: */
-    double exponent_max;     /* 1e-6 <= exponent_min <= exponent_max <= 1e24. Default 0.1 and 1e7 */
-    double relative_gap;     /* stop when E^2 <= (1 + gap) lower bound; > 0. Default 1e-3 */
-    double absolute_gap;     /* or when E^2 - lower bound <= this fraction of the data's sum of
+    double sigma_min; /* > 0, >= 1e-12. Default 1e-12 */
+    double sigma_max; /* >= sigma_min, <= 1e3. Default 6 */
+    double exponent_min; /* these two instead for distributions whose parameter is the exponent n: */
+    double exponent_max; /* 1e-6 <= exponent_min <= exponent_max <= 1e24. Default 0.1 and 1e7 */
+    double relative_gap; /* stop when E^2 <= (1 + gap) lower bound; > 0. Default 1e-3 */
+    double absolute_gap; /* or when E^2 - lower bound <= this fraction of the data's sum of
                                 squares; >= 0. Default 1e-12 */
     double sigma_resolution; /* boxes narrower than this in every sigma (1/sqrt(n)) are not split;
                                 >= 0. Default 0: off */
-    size_t box_budget;       /* most boxes to bound; >= 1. Default 1000000. Sizes the workspace */
-    double max_incidence;    /* degrees, (0, 90]; 90 or more uses all above the horizon. Default 60 */
-    brdffit_isa isa;         /* Default AUTO. One that cannot run here is BRDFFIT_ERR_UNSUPPORTED */
+    size_t box_budget; /* most boxes to bound; >= 1. Default 1000000. Sizes the workspace */
+    double max_incidence; /* degrees, (0, 90]; 90 or more uses all above the horizon. Default 60 */
+    brdffit_isa isa; /* Default AUTO. One that cannot run here is BRDFFIT_ERR_UNSUPPORTED */
     brdffit_progress_fn progress; /* or NULL */
     void *progress_user;
     brdffit_box_fn box; /* or NULL */
@@ -430,6 +433,15 @@ typedef struct brdffit_options {
                                 Where the fit without it obeys, that is the result, to the bit; where not, a second search
                                 follows (theory 7.9) with a budget of its own; boxes, nodes and calls of `box` are those of
                                 both. Default 0 */
+    int anisotropic; /* 1: the first lobe has two roughnesses, sigma_x along the tangent and sigma_y across it (theory
+                                7.4), both searched and proven in [sigma_min, sigma_max] (n_x, n_y in the exponent's range).
+                                It must be BECKMANN, GGX, WARD or ASHIKHMIN_SHIRLEY, with at most one other lobe. Samples in
+                                DIRECTIONS, norm L2, engine moment, masking V_CAVITY or NONE, no physical bounds: else
+                                BRDFFIT_ERR_UNSUPPORTED. Default 0 */
+    double anisotropy; /* with `anisotropic`, sigma_x / sigma_y where it is known, in [1e-6, 1e6]: what is proven is
+                                proven of models with that. 0 (default): searched */
+    double tangent_angle; /* degrees that the lobe's own tangent is turned from the samples' towards their bitangent
+                                n x t. Default 0 */
 } brdffit_options;
 
 /* Set struct_size and every default. NULL is fine: nothing happens. */
@@ -458,6 +470,10 @@ typedef struct brdffit_model {
     const double *x_more; /* K x (columns - 1) row-major: x of the diffuse term's further columns; NULL where
                              there is one */
     brdffit_masking masking;
+    const double
+        *anisotropy; /* P entries, sigma_x / sigma_y of each lobe, whose sigma is then sqrt(sigma_x sigma_y); or
+                             NULL: 1. Another than 1 needs samples in DIRECTIONS, with a tangent where there are normals */
+    const double *tangent_angle; /* P entries, degrees that each lobe's tangent is turned by, or NULL: 0 */
 } brdffit_model;
 
 /* Set struct_size, one lobe, and zero or NULL elsewhere. NULL is fine: nothing happens. */
@@ -481,7 +497,12 @@ typedef struct brdffit_lobe {
     double effective_samples; /* N_eff = (sum g^2)^2 / sum g^4, at most the samples used */
     unsigned warnings; /* BRDFFIT_WARN_* */
     double sigma_floor; /* what is proven is proven for this lobe's sigma from here to sigma_max, n from exponent_min
-                                 to 1 / sigma_floor^2, ends included: see brdffit_result.sigma_floor, the largest */
+                                 to 1 / sigma_floor^2, ends included: see brdffit_result.sigma_floor, the largest. Of an
+                                 anisotropic lobe that is said of both its roughnesses; narrower ones, of whose peak no sample
+                                 sees 1e-7, are not searched */
+    double sigma_x; /* along and across the tangent of an anisotropic lobe: sigma = sqrt(sigma_x sigma_y). */
+    double sigma_y; /* Of others sigma. Near the optimum, sigma_low and sigma_high go with their ratio */
+    double tangent_angle; /* degrees that sigma_x's direction is turned from the samples' tangent; 0 of others */
 } brdffit_lobe;
 
 /* Why the search stopped. */
@@ -597,7 +618,7 @@ BRDFFIT_API brdffit_status brdffit_f0_interval(const brdffit_samples *samples, c
 
 /* Bits of brdffit_quality(): the model does not describe these data. */
 #define BRDFFIT_MISFIT_POOR                                                                                            \
-    1u      /* in some channel R^2 is below 0.5 and residuals are above 0.1 of the data (norms L2, LINF) */
+    1u /* in some channel R^2 is below 0.5 and residuals are above 0.1 of the data (norms L2, LINF) */
 #define BRDFFIT_MISFIT_PATTERNED                                                                                       \
     2u /* residuals above 0.02 of the data, and the neighbours of a sample foretell more than
                                        0.77 of their squares: they are no noise. Of 20 samples or more */
@@ -613,6 +634,18 @@ BRDFFIT_API brdffit_status brdffit_f0_interval(const brdffit_samples *samples, c
 BRDFFIT_API brdffit_status brdffit_quality(const brdffit_samples *samples, const brdffit_options *options,
                                            const double *fitted, double *r2, double total[3], unsigned *misfit,
                                            brdffit_error *error);
+
+/*
+ * Whether the samples vary with the azimuth of the half vector, as an isotropic model cannot: *share, in [0, 1], is the part
+ * of E^2 (norm L2) that a slight stretch of the best suited lobe would take off, to first order and beyond what any two numbers
+ * take off as many residuals (theory 7.4). From about a
+ * quarter on a fit with options.anisotropic is worth it. 0 of lobes that have no anisotropic form. samples, options and model
+ * are those of a fit, the samples in DIRECTIONS; channel_scale is the result's, or NULL. No memory is allocated. Errors:
+ * BRDFFIT_ERR_ARGUMENT for NULL, other forms of samples and other channels than the model's, and those of brdffit_inspect().
+ */
+BRDFFIT_API brdffit_status brdffit_azimuth_share(const brdffit_samples *samples, const brdffit_options *options,
+                                                 const brdffit_model *model, const double *channel_scale, double *share,
+                                                 brdffit_error *error);
 
 /* ---- Fits in memory of the caller ------------------------------------- */
 

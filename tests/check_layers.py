@@ -14,10 +14,10 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 SRC = ROOT / "src"
 
 # From the bottom up; a folder may use those before it and itself. src/io is a library of its own.
-LAYERS = ["base", "kernels", "model", "weight", "data", "solve/conic", "solve", "search", "bound/moment", "bound/socp",
-          "bound/lp", "fit", "batch", "api"]
+LAYERS = ["base", "kernels", "model", "weight", "data", "solve/conic", "solve", "search", "bound/moment", "bound/cell",
+          "bound/socp", "bound/lp", "fit", "batch", "api"]
 # Engines do not know each other.
-APART = {"bound/moment", "bound/socp", "bound/lp"}
+APART = {"bound/moment", "bound/cell", "bound/socp", "bound/lp"}
 
 STANDARD = {"float.h", "limits.h", "math.h", "stddef.h", "stdint.h", "string.h", "stdalign.h"}
 # Headers beyond these, file by file.

@@ -199,6 +199,12 @@ static void call_fits(const brdffit_samples *samples)
         keep(&misfit, sizeof misfit);
     }
     {
+        double share = 0.0;
+
+        STATUS(brdffit_azimuth_share, samples, &o, r->model, r->channel_scale, &share, NULL);
+        keep(&share, sizeof share);
+    }
+    {
         brdffit_options fresnel = o;
         double low[CHANNELS * BRDFFIT_MAX_LOBES] = {0.0}, high[CHANNELS * BRDFFIT_MAX_LOBES] = {0.0};
         const brdffit_result *schlick;

@@ -2,6 +2,7 @@
  * brdffit_verify(): bounds of engine moment proven again, levels above the optimum never, and what it counts.
  * SPDX-License-Identifier: MIT
  */
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -166,6 +167,28 @@ static void test_budgets_and_domains(void **state)
     brdffit_test_data_free(&data);
 }
 
+/* Found by the campaign: with weights of 1e107 the least level underflows in internal units, and 0 proves itself. */
+static void test_level_that_underflows(void **state)
+{
+    const double one[1] = {1.0}, difference[1] = {0.42}, zero[1] = {0.0}, weight[1] = {6e107}, value[1] = {2.9};
+    brdffit_options options = options_of(1, 1000);
+    brdffit_samples samples;
+
+    (void)state;
+    brdffit_samples_init(&samples);
+    samples.form = BRDFFIT_FORM_ANGLES;
+    samples.count = samples.channels = 1;
+    samples.cos_light = samples.cos_view = one;
+    samples.cos_difference = difference;
+    samples.tan2_half = zero;
+    samples.weights = weight;
+    samples.values = value;
+    options.normalise = BRDFFIT_NORMALISE_NONE;
+    options.max_incidence = 90.0;
+    assert_true(fit_and_free(&samples, &options).e2 <= 1e-20 * 6e107);
+    assert_int_equal(verify(&samples, &options, DBL_MIN).proven, 0);
+}
+
 static int stop_at_once(void *user, const brdffit_progress *progress)
 {
     double *seen = user;
@@ -250,6 +273,7 @@ int main(void)
 #ifndef BRDFFIT_NO_ECOS
         cmocka_unit_test(test_bounds_are_proven_again_and_no_more),
         cmocka_unit_test(test_budgets_and_domains),
+        cmocka_unit_test(test_level_that_underflows),
         cmocka_unit_test(test_cancelled),
 #else
         cmocka_unit_test(test_unsupported),

@@ -143,6 +143,27 @@ brdffit_status brdffit_quality(const brdffit_samples *samples, const brdffit_opt
     return status;
 }
 
+brdffit_status brdffit_azimuth_share(const brdffit_samples *samples, const brdffit_options *options,
+                                     const brdffit_model *model, const double *channel_scale, double *share,
+                                     brdffit_error *error)
+{
+    struct environment callers;
+    struct given given;
+    brdffit_model known;
+    brdffit_status status;
+
+    brdffit_environment_enter(&callers);
+    status = take(&given, samples, options, error);
+    if (status == BRDFFIT_OK) {
+        status = brdffit_intake_model(model, &known, error);
+    }
+    if (status == BRDFFIT_OK) {
+        status = brdffit_azimuth_share_run(&given.samples, &given.options, &known, channel_scale, share, error);
+    }
+    brdffit_environment_leave(&callers);
+    return status;
+}
+
 brdffit_status brdffit_sums_init(void *memory, size_t size, size_t channels, size_t groups,
                                  const brdffit_options *options, brdffit_sums **sums, brdffit_error *error)
 {

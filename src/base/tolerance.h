@@ -16,6 +16,9 @@
 #define LIMIT_EXPONENT_MIN 1e-6
 #define LIMIT_EXPONENT_MAX 1e24
 
+/* Largest ratio of the two roughnesses of an anisotropic lobe, and its inverse the smallest. */
+#define ANISOTROPY_MOST 1e6
+
 /* cos(max_incidence) is compared with this absolute allowance, so that a light at exactly the limit
  * counts whatever its trigonometric functions rounded to (60 degrees: 4 ulp of cos). */
 #define TOL_INCIDENCE 1e-12

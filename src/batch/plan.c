@@ -82,6 +82,9 @@ static brdffit_status check(const brdffit_samples *geometry, const brdffit_optio
     if (status == BRDFFIT_OK) {
         status = brdffit_geometry_check(geometry, 0, error);
     }
+    if (status == BRDFFIT_OK && options->anisotropic) {
+        status = brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "maps have no anisotropic lobes");
+    }
     if (status == BRDFFIT_OK && geometry->channels == 0) {
         status = brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "samples: no channels");
     }

@@ -62,6 +62,9 @@ void brdffit_charge_none(struct reduced *r)
         c->any_hidden = c->any_c = 0.0;
         c->norm = BRDFFIT_NORM_L2;
     }
+    for (i = 0; i < FIXED_MOST; i++) {
+        r->off_norm[i] = r->off_share[i] = 0.0;
+    }
     for (i = 0; i < KINDS_MOST; i++) {
         r->kind_charge[i].body = r->kind_charge[i].tail = r->kind_charge[i].step = 0.0;
     }
@@ -134,28 +137,30 @@ static double charge_column(double size, double error)
     return !(error > 0.0) ? 0.0 : error < 0.5 * size ? error / (size - error) : 4.0;
 }
 
-/* Of fixed columns what is not the error of n.l: norms of it over those of the columns. */
-static double charge_columns(const struct reduced *r, brdffit_norm norm)
+/* Of fixed columns what is not the error of n.l: norms of it, and these over those of the columns. */
+static double charge_columns(struct reduced *r, brdffit_norm norm)
 {
     double sum = 0.0;
     size_t i;
     int f;
 
-    for (f = 0; f < r->fixed && r->diffuse_off; f++) {
+    for (f = 0; f < r->fixed; f++) {
         const double *a = r->sample_a + (size_t)f * r->room, *off = r->off_a + (size_t)f * r->room;
         double size = 0.0, error = 0.0;
 
-        for (i = 0; i < r->used; i++) {
+        for (i = 0; i < r->used && r->diffuse_off; i++) {
             size = join(size, a[i], norm);
             error = join(error, off[i], norm);
         }
-        sum += SAFE * charge_column(root_of(size, norm), root_of(error, norm));
+        r->off_norm[f] = SAFE * root_of(error, norm);
+        r->off_share[f] = SAFE * charge_column(root_of(size, norm), root_of(error, norm));
+        sum += r->off_share[f];
     }
     return sum;
 }
 
 /* Of a and of radiance made from f_r, which share the error of n.l: the largest, or, where that is a grazing light's, norms. */
-static void charge_diffuse(const struct reduced *r, struct charge *c, const brdffit_samples *samples, brdffit_norm norm)
+static void charge_diffuse(struct reduced *r, struct charge *c, const brdffit_samples *samples, brdffit_norm norm)
 {
     double a[FIXED_MOST] = {0.0}, error[FIXED_MOST] = {0.0}, data = 0.0, data_error = 0.0;
     size_t i, k, f;

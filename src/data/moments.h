@@ -77,7 +77,10 @@ struct moments {
 /* Whether the columns of two kinds have one exponential phi, so that one sum says how x is spread under both. */
 static inline int moments_one_family(const struct moments *m, int first, int second)
 {
-    return m->kind[first].kind == m->kind[second].kind && m->kind[first].kind->exponential;
+    const struct kind_moments *one = &m->kind[first], *two = &m->kind[second];
+
+    return one->kind == two->kind && one->geometry % m->data->bases == two->geometry % m->data->bases &&
+           one->kind->exponential;
 }
 
 /* Nodes that can be asked for at any theta: one a lobe. */

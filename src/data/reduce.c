@@ -51,7 +51,8 @@ void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t 
     reduced->fixed = model->fixed;
     reduced->room = count;
     for (g = 0; g < geometries; g++) {
-        reduced->table[g].masked = model->kind[model->shown_by[g]]->smith;
+        reduced->table[g].masked = model->kind[model->shown_by[g]]->smith ||
+                                   (g % model->bases == 0 && model->shapes > 1);
         layout_tangents(&reduced->table[g], arena, count);
         layout_table(&reduced->table[g], arena, count, reduced_functionals(model, channels));
         for (h = 0; h < g; h++) {
@@ -97,11 +98,14 @@ static brdffit_status check_values(struct reduced *r, const brdffit_samples *s, 
     return BRDFFIT_OK;
 }
 
-static void keep_table(struct reduced *r, int t, const struct geometry *g)
+static void keep_table(struct reduced *r, int t, const struct geometry *g, const double *split)
 {
     r->table[t].sample_b[r->used] = g->b;
     r->table[t].sample_c[r->used] = g->c;
-    if (r->table[t].masked) {
+    if (split) {
+        r->table[t].sample_light[r->used] = split[0];
+        r->table[t].sample_view[r->used] = split[1];
+    } else if (r->table[t].masked) {
         r->table[t].sample_light[r->used] = smaller(g->tan2_light, g->tan2_view);
         r->table[t].sample_view[r->used] = larger(g->tan2_light, g->tan2_view);
     }
@@ -125,27 +129,52 @@ static void keep_fixed(struct reduced *r, const struct model *model, const struc
     }
 }
 
-/* a of a sample that counts, and its b and c in every geometry. */
-static void keep_sample(struct reduced *r, const brdffit_samples *s, const struct model *model, size_t i,
-                        const struct geometry *lead)
+/* Of an anisotropic lobe: c of the stretched geometry, or, where that is searched, along the tangent and across it. */
+static brdffit_status turn_sample(const brdffit_samples *s, const struct model *model, size_t i, struct geometry *g,
+                                  double *split, brdffit_error *error)
 {
+    double turn[2];
+
+    if (!brdffit_turn_of(s, i, turn)) {
+        return brdffit_fail_at(error, "an anisotropic lobe needs a tangent that is not along the normal", i,
+                               BRDFFIT_NONE, NAN);
+    }
+    if (split) {
+        brdffit_turn_split(&model->stretch, turn, g, split);
+    } else {
+        brdffit_turn_stretch(&model->stretch, turn, g);
+    }
+    return BRDFFIT_OK;
+}
+
+/* a of a sample that counts, and its b and c in every geometry. */
+static brdffit_status keep_sample(struct reduced *r, const brdffit_samples *s, const struct model *model, size_t i,
+                                  const struct geometry *lead, brdffit_error *error)
+{
+    brdffit_status status = BRDFFIT_OK;
+    double room[2], *split;
     struct geometry g;
     int t;
 
     r->sample[r->used] = (uint32_t)i;
     keep_fixed(r, model, lead);
-    for (t = 0; t < r->bases; t++) {
+    for (t = 0; t < r->bases && status == BRDFFIT_OK; t++) {
+        split = t == 0 && model->shapes > 1 ? room : NULL;
         g = *lead;
         if ((t != model->lead || model->masking != BRDFFIT_MASKING_V_CAVITY) && s->form != BRDFFIT_FORM_COEFFICIENTS) {
             g.b_hidden = g.c_hidden = 0.0;
             model->kind[model->shown_by[t]]->row(&lead->angles, &g);
         }
-        keep_table(r, t, &g);
+        if (t == 0 && model->turned) {
+            status = turn_sample(s, model, i, &g, split, error);
+        }
+        keep_table(r, t, &g, split);
         if (r->geometries > r->bases) {
             brdffit_schlick_column(&g);
-            keep_table(r, t + r->bases, &g);
+            keep_table(r, t + r->bases, &g, split);
         }
     }
+    return status;
 }
 
 /* First pass: (a, b, c) of every sample that counts, in sample_*; the number of used and skipped ones. */
@@ -176,7 +205,10 @@ static brdffit_status classify(struct reduced *r, const brdffit_samples *s, cons
             r->skipped[skip]++;
             continue;
         }
-        keep_sample(r, s, model, i, &g);
+        status = keep_sample(r, s, model, i, &g, error);
+        if (status != BRDFFIT_OK) {
+            return status;
+        }
         r->sample_factor[r->used] = s->quantity == BRDFFIT_QUANTITY_RADIANCE ? 1.0 : g.cos_light;
         status = check_values(r, s, i, r->sample_factor[r->used], error);
         if (status != BRDFFIT_OK) {
@@ -379,7 +411,7 @@ brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *sa
     if (status == BRDFFIT_OK) {
         brdffit_reduce_sort(reduced);
         reduced->counted = reduced->used;
-        if (samples->form == BRDFFIT_FORM_DIRECTIONS) {
+        if (samples->form == BRDFFIT_FORM_DIRECTIONS && model->shapes == 1) {
             brdffit_reduce_ends(model, options, s_end);
             brdffit_reduce_snap(reduced, s_end);
         }

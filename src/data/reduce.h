@@ -28,7 +28,8 @@
 struct table {
     struct lobe_sight sight; /* what kinds see of the groups: c_min, c; and tangents where there are any */
     int masked;              /* there are: samples of one group agree in these, too */
-    double *light, *view;    /* by group */
+    double *light,
+        *view;    /* by group. Of a lobe whose two roughnesses are searched: c along the tangent, and across it */
     double *sample_light, *sample_view; /* scratch while reducing: used; the smaller first */
     double c_min;
     double snapped;        /* largest relative change of c - c_min by merging */
@@ -84,6 +85,8 @@ struct reduced {
     double *sample_a, *sample_factor; /* F x room; used: factor = root of w times f_r to radiance */
     int diffuse_off; /* whether there are any: */
     double *off_a; /* F x room: absolute errors of a, but for those of n.l, which all share */
+    double off_norm[FIXED_MOST],
+        off_share[FIXED_MOST]; /* their norm, that of the fit, and relative to that of a (4 at most) */
     uint32_t *sample, *order, *merge;
     uint32_t *begin; /* place in `order` where each group begins, and one past the last */
     size_t groups;   /* `distinct` ones with a lobe, then those without */

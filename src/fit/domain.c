@@ -116,10 +116,27 @@ static void asked_range(const struct lobe_kind *kind, const brdffit_options *o, 
     double low = kind->by_exponent ? kernel_log(o->exponent_min) : -2.0 * kernel_log(o->sigma_max);
     double high = kind->by_exponent ? kernel_log(o->exponent_max) : -2.0 * kernel_log(o->sigma_min);
 
+    d->parameter_low = kind->by_exponent ? o->exponent_min : o->sigma_max;
+    d->parameter_tail = kind->by_exponent ? o->exponent_max : o->sigma_min;
     d->low = brdffit_fit_outwards(low, -1.0);
     d->tail = brdffit_fit_outwards(high, 1.0);
     d->flat = d->tail;
     d->high = d->low;
+}
+
+/* Of an anisotropic lobe whose ratio is given both roughnesses stay in the range: theta +- ln ratio. */
+static void narrow_range(const struct model *model, struct domain *d)
+{
+    double ratio = fmax(model->stretch.ratio, 1.0 / model->stretch.ratio), apart = kernel_log(ratio);
+    double middle = 0.5 * (d->low + d->tail);
+    int exponent = model->kind[0]->by_exponent;
+
+    d->low = fmin(d->low + apart, middle);
+    d->tail = fmax(d->tail - apart, middle);
+    d->flat = d->tail;
+    d->high = d->low;
+    d->parameter_low = exponent ? d->parameter_low * ratio : d->parameter_low / sqrt(ratio);
+    d->parameter_tail = exponent ? d->parameter_tail / ratio : d->parameter_tail * sqrt(ratio);
 }
 
 static int any_lobe(const struct view *v)
@@ -155,6 +172,9 @@ static void prepare_axis(struct fit *f, int axis, const brdffit_options *o, stru
     int kind;
 
     asked_range(f->model.kind[axis], o, d);
+    if (f->model.turned && axis == 0) {
+        narrow_range(&f->model, d);
+    }
     for (kind = axis; kind < f->model.kinds; kind += f->model.axes) {
         const struct view v = view_of(f, kind);
 
@@ -185,7 +205,7 @@ void brdffit_fit_prepare(struct fit *f, const brdffit_options *o)
     for (kind = 0; kind < f->model.axes; kind++) {
         prepare_axis(f, kind, o, &f->domain[kind]);
     }
-    for (p = 0; p < f->model.sides; p++) {
+    for (p = 0; p < f->model.lobes && f->model.shapes == 1; p++) {
         f->varpro.theta_low[p] = fit_domain(f, p)->low;
         f->varpro.theta_high[p] = fit_domain(f, p)->high;
     }

@@ -15,6 +15,22 @@ static brdffit_distribution distribution_of(const brdffit_model *m, int p)
     return m->distributions ? m->distributions[p] : m->distribution;
 }
 
+/* sigma_x / sigma_y of lobe p. */
+static double anisotropy_of(const brdffit_model *m, int p)
+{
+    return m->anisotropy ? m->anisotropy[p] : 1.0;
+}
+
+static int any_anisotropic(const brdffit_model *m)
+{
+    int p, any = 0;
+
+    for (p = 0; p < m->lobes; p++) {
+        any = any || anisotropy_of(m, p) != 1.0;
+    }
+    return any;
+}
+
 static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
 {
     int p;
@@ -42,6 +58,15 @@ static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: without F0, or coefficients of the diffuse term");
     }
     for (p = 0; p < m->lobes; p++) {
+        double r = anisotropy_of(m, p);
+
+        if (r != 1.0 &&
+            !(r >= 1.0 / ANISOTROPY_MOST && r <= ANISOTROPY_MOST && brdffit_turn_known(distribution_of(m, p)))) {
+            return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT,
+                                "model: an anisotropy that its distribution has not, or out of [1e-6, 1e6]");
+        }
+    }
+    for (p = 0; p < m->lobes; p++) {
         double s = 1.0 / (m->sigma[p] * m->sigma[p]);
 
         if (!(m->sigma[p] > 0.0 && s > 0.0 && isfinite(s))) {
@@ -52,31 +77,40 @@ static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
 }
 
 /*
- * b lambda(s) phi(s, c) of lobe p at a direction, whose geometry for the model's first lobe is given. s is that of the
+ * b lambda(s) phi(s, c) of lobe p at a direction, whose geometry for the model's first lobe is given; `turn` of its half
+ * vector, where a lobe needs that. s is that of the
  * model's sigma to twice the digits, as in published.c, so that values are within some 30 u of the model as it is written.
  */
 static struct wide lobe_at(const brdffit_model *m, int p, struct twofold s, const struct geometry *first,
-                           int coefficients)
+                           int coefficients, const double turn[2])
 {
     const struct lobe_kind *kind = brdffit_lobe_kind_masked(distribution_of(m, p), m->masking);
+    struct wide lambda = wide_of(1.0);
     struct geometry g = *first;
 
     if (!coefficients && kind->row != brdffit_lobe_kind_of(distribution_of(m, 0))->row) {
         kind->row(&first->angles, &g);
     }
-    return wide_times(wide_of(g.b), brdffit_lobe_at(kind, s, &g));
+    if (anisotropy_of(m, p) != 1.0) {
+        const struct stretch stretch = brdffit_stretch_of(anisotropy_of(m, p),
+                                                          m->tangent_angle ? m->tangent_angle[p] : 0.0);
+
+        brdffit_turn_stretch(&stretch, turn, &g);
+        lambda = wide_of(brdffit_turn_lambda(kind, stretch.ratio, s.high));
+    }
+    return wide_times(wide_times(wide_of(g.b), lambda), brdffit_lobe_at(kind, s, &g));
 }
 
 /* y may be as large as a double gets where phi is as small: neither may vanish or overflow on the way. */
 static void eval_one(const brdffit_model *m, const struct twofold *s, const struct geometry *g, int coefficients,
-                     double divisor, double *out)
+                     const double turn[2], double divisor, double *out)
 {
     struct wide lobe[BRDFFIT_MAX_LOBES];
     size_t k, lobes = (size_t)m->lobes, p, f, columns = (size_t)brdffit_diffuse_columns(m->diffuse);
     double fixed[FIXED_MOST], error[FIXED_MOST], w = 1.0;
 
     for (p = 0; p < lobes; p++) {
-        lobe[p] = lobe_at(m, (int)p, s[p], g, coefficients);
+        lobe[p] = lobe_at(m, (int)p, s[p], g, coefficients, turn);
     }
     brdffit_diffuse_row(m->diffuse, g, fixed, error);
     w = m->fresnel == BRDFFIT_FRESNEL_SCHLICK ? schlick_weight(&g->angles) : 1.0;
@@ -101,9 +135,10 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
 {
     brdffit_status status = check_model(model, error);
     struct twofold s[BRDFFIT_MAX_LOBES];
+    int p, turned = status == BRDFFIT_OK && any_anisotropic(model);
+    double turn[2] = {1.0, 0.0};
     brdffit_samples places;
     size_t i, k;
-    int p;
 
     if (status == BRDFFIT_OK) {
         status = brdffit_geometry_check(at, 0, error);
@@ -136,7 +171,11 @@ brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_sample
             }
             continue;
         }
-        eval_one(model, s, &g, at->form == BRDFFIT_FORM_COEFFICIENTS,
+        if (turned && !brdffit_turn_of(at, i, turn)) {
+            return brdffit_fail_at(error, "an anisotropic lobe needs directions, and a tangent where there are normals",
+                                   i, BRDFFIT_NONE, NAN);
+        }
+        eval_one(model, s, &g, at->form == BRDFFIT_FORM_COEFFICIENTS, turn,
                  at->quantity == BRDFFIT_QUANTITY_BRDF ? g.cos_light : 1.0, out + i * model->channels);
     }
     return BRDFFIT_OK;

@@ -89,8 +89,7 @@ static const double *from(const double *array, size_t at)
     return array ? array + at : NULL;
 }
 
-/* Sample i alone, to be evaluated as radiance. */
-static brdffit_samples slice(const brdffit_samples *s, size_t i)
+brdffit_samples brdffit_fit_one_sample(const brdffit_samples *s, size_t i)
 {
     brdffit_samples one = *s;
 
@@ -99,6 +98,7 @@ static brdffit_samples slice(const brdffit_samples *s, size_t i)
     one.light = from(s->light, 3 * i);
     one.view = from(s->view, 3 * i);
     one.normal = from(s->normal, 3 * i);
+    one.tangent = from(s->tangent, 3 * i);
     one.cos_light = from(s->cos_light, i);
     one.cos_view = from(s->cos_view, i);
     one.tan2_half = from(s->tan2_half, i);
@@ -107,8 +107,7 @@ static brdffit_samples slice(const brdffit_samples *s, size_t i)
     return one;
 }
 
-/* What turns values of sample i into radiance; 0 when it is not used. Bad samples were found by brdffit_inspect_run(). */
-static double to_radiance(const brdffit_samples *s, const brdffit_model *m, double min_cosine, size_t i)
+double brdffit_fit_to_radiance(const brdffit_samples *s, const brdffit_model *m, double min_cosine, size_t i)
 {
     brdffit_distribution lead = m->distributions ? m->distributions[0] : m->distribution;
     brdffit_status status = BRDFFIT_OK;
@@ -126,7 +125,7 @@ static struct units find_units(const brdffit_samples *s, const brdffit_model *m,
     size_t i, k;
 
     for (i = 0; i < s->count; i++) {
-        double factor = to_radiance(s, m, min_cosine, i);
+        double factor = brdffit_fit_to_radiance(s, m, min_cosine, i);
 
         for (k = 0; k < s->channels && factor > 0.0; k++) {
             units.value = fmax(units.value, fabs(s->values[i * s->channels + k]) * factor);
@@ -166,8 +165,8 @@ static brdffit_status add_up(struct products *to, const struct columns *c, const
 
     *to = none;
     for (i = 0; i < s->count; i++) {
-        double factor = to_radiance(s, &c->model, min_cosine, i);
-        brdffit_samples one = slice(s, i);
+        double factor = brdffit_fit_to_radiance(s, &c->model, min_cosine, i);
+        brdffit_samples one = brdffit_fit_one_sample(s, i);
         brdffit_status status = factor > 0.0 ? brdffit_eval_run(&c->model, &one, column, error) : BRDFFIT_OK;
 
         if (status != BRDFFIT_OK) {

@@ -1,5 +1,5 @@
 /*
- * The public fit: validate, reduce, search, report. SPDX-License-Identifier: MIT
+ * One fit, step by step: validate, reduce, search, report. SPDX-License-Identifier: MIT
  */
 #include "fit/fit.h"
 
@@ -37,7 +37,7 @@ static uint32_t first_intervals(const struct model *model, const brdffit_options
     return first;
 }
 
-static int report_reduced(const struct fit *f, const brdffit_options *o)
+int brdffit_fit_report_reduced(const struct fit *f, const brdffit_options *o)
 {
     brdffit_progress p;
 
@@ -78,6 +78,17 @@ static void charge_domain(struct fit *f, const brdffit_options *o)
     }
 }
 
+void brdffit_fit_rules(const struct fit *f, const brdffit_options *o, struct search_rules *rules)
+{
+    rules->relative_gap = o->relative_gap;
+    rules->absolute_gap = o->absolute_gap * f->data.total;
+    rules->sigma_resolution = o->sigma_resolution;
+    rules->box_budget = o->box_budget;
+    rules->progress = o->progress;
+    rules->progress_user = o->progress_user;
+    rules->progress_scale = brdffit_fit_scale(&f->data, o);
+}
+
 /* Everything up to the first box: domain, partition, engine, rules. The engine is to be finished after success. */
 brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct engine *engine,
                                  struct search_rules *rules, brdffit_error *error)
@@ -85,7 +96,7 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
     brdffit_status status;
     int kind;
 
-    rules->cancelled = report_reduced(f, o);
+    rules->cancelled = brdffit_fit_report_reduced(f, o);
     brdffit_fit_prepare(f, o);
     charge_domain(f, o);
     for (kind = 0; kind < f->model.axes; kind++) {
@@ -104,13 +115,7 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
     f->try_point = engine->try_point;
     f->least = INFINITY;
     engine->try_point = try_published;
-    rules->relative_gap = o->relative_gap;
-    rules->absolute_gap = o->absolute_gap * f->data.total;
-    rules->sigma_resolution = o->sigma_resolution;
-    rules->box_budget = o->box_budget;
-    rules->progress = o->progress;
-    rules->progress_user = o->progress_user;
-    rules->progress_scale = brdffit_fit_scale(&f->data, o);
+    brdffit_fit_rules(f, o, rules);
     brdffit_fit_observe(f, o, rules);
     return BRDFFIT_OK;
 }
@@ -128,8 +133,12 @@ static brdffit_status check_call(const brdffit_samples *samples, const brdffit_o
         return status;
     }
     if (samples->form == BRDFFIT_FORM_COEFFICIENTS && brdffit_options_special(options)) {
-        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
-                            "samples given as a, b, c have no angles for Fresnel, masking and diffuse terms");
+        return brdffit_fail(
+            error, BRDFFIT_ERR_UNSUPPORTED,
+            "samples given as a, b, c have no angles for Fresnel, masking, diffuse terms and anisotropy");
+    }
+    if (options->anisotropic && samples->form != BRDFFIT_FORM_DIRECTIONS) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "an anisotropic lobe needs samples with directions");
     }
     if (!workspace || !result) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "workspace or result is NULL");
@@ -187,63 +196,4 @@ brdffit_status brdffit_fit_finish(struct fit *f, const brdffit_options *options,
     brdffit_report(f, options, brdffit_fit_scale(&f->data, options), &found);
     brdffit_fit_engine_finish(f, options);
     return BRDFFIT_OK;
-}
-
-/* What the free fit leaves for the one with physical bounds. */
-struct before {
-    double e2, lower_bound;
-    size_t boxes, nodes;
-};
-
-static struct before before_of(const struct fit *f)
-{
-    const brdffit_result *r = &f->handout->result;
-    const struct before before = {r->e2, r->lower_bound, r->boxes, r->nodes};
-
-    return before;
-}
-
-/*
- * The free fit bounds that with physical bounds from below. Where its model obeys them it is the answer; where not, search
- * again with the bounds in every restricted problem, in the same workspace, from the samples on.
- */
-static brdffit_status make_physical(struct fit *f, const brdffit_samples *samples, const brdffit_options *options,
-                                    void *workspace, size_t size, brdffit_error *error)
-{
-    const struct before before = before_of(f);
-    brdffit_status status = brdffit_fit_open(f, samples, options, workspace, size, f, error);
-    brdffit_result *result;
-
-    if (status == BRDFFIT_OK) {
-        f->physical = 1;
-        status = brdffit_fit_finish(f, options, error);
-    }
-    if (status == BRDFFIT_OK) {
-        result = &f->handout->result;
-        result->e2_free = before.e2;
-        result->boxes += before.boxes;
-        result->nodes += before.nodes;
-        result->lower_bound = fmax(result->lower_bound, before.lower_bound);
-        brdffit_fit_judge(options, result);
-    }
-    return status;
-}
-
-brdffit_status brdffit_fit_run(const brdffit_samples *samples, const brdffit_options *options, void *workspace,
-                               size_t workspace_size, const brdffit_result **result, brdffit_error *error)
-{
-    brdffit_status status;
-    struct fit fit;
-
-    status = brdffit_fit_open(&fit, samples, options, workspace, workspace_size, result, error);
-    if (status == BRDFFIT_OK) {
-        status = brdffit_fit_finish(&fit, options, error);
-    }
-    if (status == BRDFFIT_OK && options->physical && !brdffit_fit_is_physical(&fit)) {
-        status = make_physical(&fit, samples, options, workspace, workspace_size, error);
-    }
-    if (status == BRDFFIT_OK) {
-        *result = &fit.handout->result;
-    }
-    return status;
 }

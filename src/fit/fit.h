@@ -8,6 +8,7 @@
 #include "base/arena.h"
 #include "search/axis.h"
 #include "bound/lp/bound_lp.h"
+#include "bound/cell/cell.h"
 #include "bound/moment/bound.h"
 #include "bound/socp/bound_socp.h"
 #include "brdffit.h"
@@ -30,6 +31,7 @@ struct domain {
     double flat; /* beyond `high` nothing changes up to here: the end of the range, or of finite y; below `low`: no
                          lobe has a finite y */
     double tail; /* end of the options' range */
+    double parameter_low, parameter_tail; /* what the ends of the range are of the parameter, sigma or the exponent */
 };
 
 /* What a fit hands out by pointer, in the workspace: `result` and what it points to, but for arrays of K. */
@@ -39,7 +41,7 @@ struct handout {
     brdffit_model model;
     brdffit_lobe lobe[BRDFFIT_MAX_LOBES];
     const brdffit_lobe *lobes[BRDFFIT_MAX_LOBES];
-    double sigma[BRDFFIT_MAX_LOBES];
+    double sigma[BRDFFIT_MAX_LOBES], anisotropy[BRDFFIT_MAX_LOBES], tangent_angle[BRDFFIT_MAX_LOBES];
     brdffit_distribution distributions[BRDFFIT_MAX_LOBES];
     size_t skipped[BRDFFIT_SKIP_COUNT];
     brdffit_verification verification;
@@ -48,11 +50,12 @@ struct handout {
 struct fit {
     struct model model;
     struct reduced data;
-    struct axis axis[BRDFFIT_MAX_LOBES];
+    struct axis axis[BRDFFIT_MAX_LOBES]; /* one a kind of first columns; with an anisotropic lobe one a side */
     struct heap heap;
     struct bound_moment moment; /* only the engine in use is laid out */
     struct bound_socp socp;
     struct bound_lp linear;
+    struct bound_cell cells; /* of models whose anisotropic lobe is searched (anisotropic.c) */
     struct l1_linf restricted; /* norms l1 and linf only */
     struct varpro varpro;
     brdffit_norm norm;
@@ -81,16 +84,36 @@ static inline const struct domain *fit_domain(const struct fit *f, int lobe)
 /* Every field in its range. The options are whole, as brdffit_intake_options() makes them; so are all that follow. */
 brdffit_status brdffit_options_check(const brdffit_options *options, brdffit_error *error);
 
-/* Whether the model needs more of a sample than a, b and c: Fresnel, masking, or a diffuse term that are not the defaults. */
+/* Whether the model needs more of a sample than a, b and c: Fresnel, masking, or a diffuse term that are not the defaults, an
+ * anisotropic lobe. */
 static inline int brdffit_options_special(const brdffit_options *o)
 {
     return o->fresnel != BRDFFIT_FRESNEL_NONE || o->diffuse != BRDFFIT_DIFFUSE_LAMBERT ||
-           o->masking != BRDFFIT_MASKING_V_CAVITY;
+           o->masking != BRDFFIT_MASKING_V_CAVITY || o->anisotropic;
 }
 
 /* Lay a fit out in an arena (counting or real). */
 void brdffit_fit_layout(struct fit *fit, struct arena *arena, size_t count, size_t channels,
                         const brdffit_options *options);
+
+/* Whether the two roughnesses of an anisotropic lobe are searched. */
+static inline int brdffit_options_two_shapes(const brdffit_options *o)
+{
+    return o->anisotropic && !(o->anisotropy > 0.0);
+}
+
+/* Tell the progress callback that the samples are reduced; whether it wants no more. */
+int brdffit_fit_report_reduced(const struct fit *fit, const brdffit_options *options);
+
+/* What a search is told by the options, once the domain is known. */
+void brdffit_fit_rules(const struct fit *fit, const brdffit_options *options, struct search_rules *rules);
+
+/* The whole fit of such a model: see anisotropic.c. */
+brdffit_status brdffit_fit_anisotropic(const brdffit_samples *samples, const brdffit_options *options, void *workspace,
+                                       size_t size, struct fit *fit, brdffit_error *error);
+
+/* Its domain, axes and engine, of a fit that is open. */
+void brdffit_fit_anisotropic_engine(struct fit *fit, const brdffit_options *options, struct engine *engine);
 
 /* Check the call, lay out and reduce. `result` is only looked at for NULL. */
 brdffit_status brdffit_fit_open(struct fit *fit, const brdffit_samples *samples, const brdffit_options *options,
@@ -111,6 +134,7 @@ brdffit_status brdffit_fit_finish(struct fit *fit, const brdffit_options *option
 
 /* What turns an internal objective into the caller's units. */
 double brdffit_fit_scale(const struct reduced *data, const brdffit_options *options);
+double brdffit_fit_level(double level, double scale);
 
 /*
  * After the reduction: the lobe kind, and the domain of theta = ln s, which is the options' range cut where the
@@ -129,7 +153,7 @@ void brdffit_fit_engine_finish(struct fit *fit, const brdffit_options *options);
 void brdffit_fit_observe(struct fit *fit, const brdffit_options *options, struct search_rules *rules);
 
 /* The roughness of theta, s^(-1/2) whatever the kind's parameter is, never outside of the options' range. */
-double brdffit_fit_sigma(const struct fit *fit, int kind, double theta, const brdffit_options *options);
+double brdffit_fit_sigma(const struct fit *fit, int kind, double theta);
 
 /* Exact objective at a point in the fit's norm, while its engine is there. With `prove`, value->kkt is meant too. */
 void brdffit_fit_evaluate(struct fit *fit, const struct point *at, int prove, struct varpro_value *value);
@@ -141,6 +165,12 @@ void brdffit_report(struct fit *fit, const brdffit_options *options, double obje
 /* Stop, certified, lower_bound and gap of a result, from its e2, e2_error, sum_of_squares and what was in stop and
  * lower_bound so far: to be called last, and again when a number has changed. */
 void brdffit_fit_judge(const brdffit_options *options, brdffit_result *result);
+
+/* Sample i alone, to be evaluated as radiance. */
+brdffit_samples brdffit_fit_one_sample(const brdffit_samples *samples, size_t i);
+
+/* What turns values of sample i into radiance; 0 when it is not used. Bad samples were found by brdffit_inspect_run(). */
+double brdffit_fit_to_radiance(const brdffit_samples *samples, const brdffit_model *model, double min_cosine, size_t i);
 
 /* The public functions of whole structures, in the floating-point environment as it is (entry.c calls them). */
 ENVIRONMENT_APART size_t brdffit_fit_workspace(size_t count, size_t channels, const brdffit_options *options);
@@ -165,6 +195,10 @@ ENVIRONMENT_APART brdffit_status brdffit_quality_run(const brdffit_samples *samp
 ENVIRONMENT_APART brdffit_status brdffit_f0_interval_run(const brdffit_samples *samples, const brdffit_options *options,
                                                          const brdffit_model *model, double *low, double *high,
                                                          brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_azimuth_share_run(const brdffit_samples *samples,
+                                                           const brdffit_options *options, const brdffit_model *model,
+                                                           const double *channel_scale, double *share,
+                                                           brdffit_error *error);
 ENVIRONMENT_APART brdffit_status brdffit_eval_run(const brdffit_model *model, const brdffit_samples *at, double *out,
                                                   brdffit_error *error);
 

@@ -260,7 +260,7 @@ static void find(struct call *c, struct interval_end end, double low, double hig
 
 static double sigma_at(const struct call *c, int kind, double theta)
 {
-    return brdffit_fit_sigma(&c->fit, kind, theta, c->options);
+    return brdffit_fit_sigma(&c->fit, kind, theta);
 }
 
 /* The sigma interval from that of theta: ends of the domain are those of what is claimed, others moved outwards. */
@@ -404,6 +404,9 @@ brdffit_status brdffit_intervals_run(const brdffit_samples *samples, const brdff
     brdffit_status status = brdffit_options_check(options, error);
 
     status = status == BRDFFIT_OK ? check_asked(asked, error) : status;
+    if (status == BRDFFIT_OK && options->anisotropic) {
+        status = brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "there are no certified intervals of anisotropic lobes");
+    }
     status = status == BRDFFIT_OK ? check_call(samples, options, model, e2, error) : status;
     if (status == BRDFFIT_OK && !result) {
         status = brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "result is NULL");
@@ -420,7 +423,8 @@ brdffit_status brdffit_intervals_run(const brdffit_samples *samples, const brdff
     find_groups(&c);
     c.work.fit = &c.fit;
     c.work.group = c.out.group;
-    c.work.threshold = c.out.result->threshold / brdffit_fit_scale(&c.fit.data, options) * (1.0 + 4.0 * TOL_UNIT);
+    c.work.threshold = brdffit_fit_level(c.out.result->threshold, brdffit_fit_scale(&c.fit.data, options));
+    c.work.threshold *= 1.0 + 4.0 * TOL_UNIT;
     c.work.tolerance = asked->tolerance;
     c.work.rules.box_budget = asked->box_budget;
     c.work.rules.observe = NULL;

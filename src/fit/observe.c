@@ -28,8 +28,8 @@ static void side(const struct observer *v, int kind, uint32_t interval, double *
     const struct axis_interval *i = &axis->interval[interval];
     double end = axis->coordinate[i->high];
 
-    *low = brdffit_fit_sigma(v->fit, kind, end < domain->high || domain->flat < end ? end : domain->flat, v->options);
-    *high = brdffit_fit_sigma(v->fit, kind, axis->coordinate[i->low], v->options);
+    *low = brdffit_fit_sigma(v->fit, kind, end < domain->high || domain->flat < end ? end : domain->flat);
+    *high = brdffit_fit_sigma(v->fit, kind, axis->coordinate[i->low]);
 }
 
 /* The lobe shown in place p: like lobes are in ascending theta in a box, and in ascending sigma here. */

@@ -90,6 +90,35 @@ static brdffit_status check_choices(const brdffit_options *o, brdffit_error *err
     return BRDFFIT_OK;
 }
 
+/* An anisotropic lobe, where it is asked for. */
+static brdffit_status check_anisotropic(const brdffit_options *o, brdffit_error *error)
+{
+    if (!(o->anisotropic == 0 || o->anisotropic == 1)) {
+        return bad(error, "anisotropic must be 0 or 1", o->anisotropic);
+    }
+    if (!(o->anisotropy == 0.0 || (o->anisotropy >= 1.0 / ANISOTROPY_MOST && o->anisotropy <= ANISOTROPY_MOST))) {
+        return bad(error, "anisotropy must be 0 or in [1e-6, 1e6]", o->anisotropy);
+    }
+    if (!(fabs(o->tangent_angle) <= 360.0)) {
+        return bad(error, "tangent_angle must be in [-360, 360] degrees", o->tangent_angle);
+    }
+    if (!o->anisotropic) {
+        return BRDFFIT_OK;
+    }
+    if (!brdffit_turn_known(brdffit_model_asked(o, 0)) || o->lobes > 2) {
+        return brdffit_fail(
+            error, BRDFFIT_ERR_UNSUPPORTED,
+            "an anisotropic lobe is Beckmann, GGX, Ward or Ashikhmin-Shirley, beside one other at most");
+    }
+    if (o->norm != BRDFFIT_NORM_L2 || o->engine != BRDFFIT_ENGINE_MOMENT || o->physical ||
+        !(o->masking == BRDFFIT_MASKING_V_CAVITY || o->masking == BRDFFIT_MASKING_NONE)) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
+                            "an anisotropic lobe goes with norm l2, engine moment, masking v-cavity or none, and "
+                            "without physical bounds");
+    }
+    return BRDFFIT_OK;
+}
+
 /* Physical bounds, where they are asked for. */
 static brdffit_status check_physical(const brdffit_options *o, brdffit_error *error)
 {
@@ -116,6 +145,9 @@ brdffit_status brdffit_options_check(const brdffit_options *o, brdffit_error *er
 
     if (status == BRDFFIT_OK) {
         status = check_physical(o, error);
+    }
+    if (status == BRDFFIT_OK) {
+        status = check_anisotropic(o, error);
     }
     if (status != BRDFFIT_OK) {
         return status;
@@ -157,9 +189,11 @@ brdffit_status brdffit_options_check(const brdffit_options *o, brdffit_error *er
 static uint32_t node_capacity(const brdffit_options *o)
 {
     size_t cap = o->engine == BRDFFIT_ENGINE_SOCP || o->norm != BRDFFIT_NORM_L2 ? LIMIT_NODES_SOCP
-                 : o->lobes > 1                                                 ? LIMIT_NODES_TWO
+                 : o->lobes + o->anisotropic > 1                                ? LIMIT_NODES_TWO
                                                                                 : LIMIT_NODES_ONE;
-    size_t wanted = o->box_budget < cap ? o->box_budget + FIRST_INTERVALS + 2 + LIMIT_HALVINGS * (size_t)o->lobes : cap;
+    size_t wanted = o->box_budget < cap
+                        ? o->box_budget + FIRST_INTERVALS + 2 + LIMIT_HALVINGS * (size_t)(o->lobes + o->anisotropic)
+                        : cap;
 
     return (uint32_t)(wanted < cap ? wanted : cap);
 }
@@ -175,7 +209,7 @@ static size_t heap_capacity(const brdffit_options *o)
 void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t channels, const brdffit_options *o)
 {
     uint32_t nodes = node_capacity(o);
-    int kind;
+    int kind, two = brdffit_options_two_shapes(o);
 
     brdffit_model_make(&f->model, o);
     brdffit_reduce_layout(&f->data, arena, count, channels, &f->model);
@@ -194,9 +228,9 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
                                    : NULL;
     f->at_limit = o->physical ? brdffit_arena_take(arena, channels, sizeof *f->at_limit) : NULL;
     brdffit_varpro_layout(&f->varpro, arena, count, channels, &f->model);
-    for (kind = 0; kind < f->model.axes; kind++) {
+    for (kind = 0; kind < (two ? f->model.sides : f->model.axes); kind++) {
         brdffit_axis_layout(&f->axis[kind], arena, nodes);
-        brdffit_axis_reserve(&f->axis[kind], LIMIT_HALVINGS * (uint32_t)o->lobes);
+        brdffit_axis_reserve(&f->axis[kind], LIMIT_HALVINGS * (uint32_t)f->model.sides);
     }
     brdffit_heap_layout(&f->heap, arena, heap_capacity(o));
     if (o->norm != BRDFFIT_NORM_L2) {
@@ -204,6 +238,8 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
         brdffit_bound_lp_layout(&f->linear, arena, count, channels, &f->model, o->norm);
     } else if (o->engine == BRDFFIT_ENGINE_SOCP) {
         brdffit_bound_socp_layout(&f->socp, arena, count, channels, &f->model);
+    } else if (two) {
+        brdffit_bound_cell_layout(&f->cells, arena, count, channels, &f->model);
     } else {
         brdffit_bound_moment_layout(&f->moment, arena, count, channels, nodes, &f->model);
         if (o->physical) {
@@ -214,6 +250,7 @@ void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t
 
 size_t brdffit_fit_workspace(size_t count, size_t channels, const brdffit_options *options)
 {
+    size_t given = 0;
     struct arena arena;
     struct fit fit;
 
@@ -222,5 +259,11 @@ size_t brdffit_fit_workspace(size_t count, size_t channels, const brdffit_option
     }
     brdffit_arena_init(&arena, NULL, 0);
     brdffit_fit_layout(&fit, &arena, count, channels, options);
-    return arena.failed ? 0 : arena.used;
+    if (brdffit_options_two_shapes(options)) { /* what was found is fitted once more, in the same workspace */
+        brdffit_options again = *options;
+
+        again.anisotropy = 1.0;
+        given = brdffit_fit_workspace(count, channels, &again);
+    }
+    return arena.failed ? 0 : arena.used > given ? arena.used : given;
 }

@@ -52,6 +52,11 @@ static void open_scales(const struct fit *f, const double *sigma, struct scales 
         p = model_lobe_of(&f->model, c);
         v->factor[F + c] = brdffit_lobe_divisor(model_kind(&f->model, p), v->s[p], &t->sight);
         v->factor[F + c] = wide_times(v->factor[F + c], wide_of(t->scale_b));
+        if (f->model.turned && p == 0) {
+            double lambda = brdffit_turn_lambda(model_kind(&f->model, p), f->model.stretch.ratio, v->s[p].high);
+
+            v->factor[F + c] = wide_times(v->factor[F + c], wide_of(lambda));
+        }
     }
 }
 
@@ -315,22 +320,34 @@ static struct channel_sums residuals_l2(const struct fit *f, const struct scales
     return sums;
 }
 
-/* One channel's part of the objective and its error. `triangles`: absolute, of |r|. */
-static void add_channel(const struct fit *f, const struct channel_sums *sums, double scale, double triangles,
+/* What the errors of the fixed columns make of a channel's residuals, in the norm of the fit. */
+static double fixed_error(const struct fit *f, const double *z)
+{
+    double sum = 0.0;
+    int c;
+
+    for (c = 0; c < f->model.fixed; c++) {
+        sum += z[c] * f->data.off_norm[c];
+    }
+    return sum;
+}
+
+/* One channel's part of the objective and its error. `more`: absolute, of the residuals' norm, beside what the sums have. */
+static void add_channel(const struct fit *f, const struct channel_sums *sums, double scale, double more,
                         struct published *out)
 {
     double objective = sums_value(&sums->objective), error = sums_value(&sums->error);
 
     if (f->norm == BRDFFIT_NORM_L2) {
-        error = sqrt(error) + triangles / scale;
+        error = sqrt(error) + more / scale;
         out->objective += objective * (scale * scale);
         out->error += (2.0 * sqrt(objective) * error + error * error) * (scale * scale);
     } else if (f->norm == BRDFFIT_NORM_L1) {
         out->objective += objective * scale;
-        out->error += error * scale;
+        out->error += error * scale + more;
     } else {
         out->objective = fmax(out->objective, sums->largest * scale);
-        out->error = fmax(out->error, sums->largest_error * scale);
+        out->error = fmax(out->error, sums->largest_error * scale + more);
     }
     out->squares += sums_value(&sums->squares) * (scale * scale);
 }
@@ -378,7 +395,7 @@ struct published brdffit_fit_publish(struct fit *f, const double *sigma)
             z[c] = in_internal_units(f, f->z[k * n + c], k, v.factor[c]);
         }
         sums = f->norm == BRDFFIT_NORM_L2 ? residuals_l2(f, &v, k, z, scale) : residuals(f, &v, k, z, scale);
-        add_channel(f, &sums, scale, f->triangle_error * sqrt(f->data.ii[k]), &out);
+        add_channel(f, &sums, scale, f->triangle_error * sqrt(f->data.ii[k]) + fixed_error(f, z), &out);
         f->rms[k] = scale * sqrt(sums_value(&sums.squares) / f->data.weight_sum) * f->data.value_scale *
                     f->data.channel_scale[k];
     }
@@ -395,7 +412,11 @@ double brdffit_fit_allowance(const struct fit *f, const struct point *at, double
     double unit = (TOL_PUBLISHED + (f->data.table[0].masked ? TOL_MASKING : 0.0) + (f->physical ? TOL_PHYSICAL : 0.0)) *
                   TOL_UNIT,
            total = f->data.total, geometry;
+    int c;
 
+    for (c = 0; c < f->model.fixed; c++) {
+        unit += f->data.off_share[c];
+    }
     geometry = geometry_error(f, at->theta, objective) * (1.0 + TOL_ALLOWANCE);
     if (f->norm != BRDFFIT_NORM_L2) {
         return 4.0 * unit * total + geometry;

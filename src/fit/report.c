@@ -34,24 +34,24 @@ static int at_high_end(const struct domain *d, double theta)
     return theta >= brdffit_fit_outwards(d->tail, -2.0);
 }
 
-/* The exponent n = s of theta: the options' own number at an end of the range, and never outside of it. */
-static double exponent_of(const struct fit *f, int kind, double theta, const brdffit_options *o)
+/* The parameter of theta, sigma or the exponent: the range's own number at an end of it, and never outside of it. */
+static double parameter_of(const struct fit *f, int kind, double theta)
 {
-    theta = claimed(&f->domain[kind], theta);
-    return at_low_end(&f->domain[kind], theta)    ? o->exponent_min
-           : at_high_end(&f->domain[kind], theta) ? o->exponent_max
-                                                  : clamp(kernel_exp(theta), o->exponent_min, o->exponent_max);
+    const struct domain *d = &f->domain[kind];
+    double low = fmin(d->parameter_low, d->parameter_tail), high = fmax(d->parameter_low, d->parameter_tail), value;
+
+    theta = claimed(d, theta);
+    value = f->model.kind[kind]->by_exponent ? kernel_exp(theta) : kernel_exp(-0.5 * theta);
+    return at_low_end(d, theta)    ? d->parameter_low
+           : at_high_end(d, theta) ? d->parameter_tail
+                                   : clamp(value, low, high);
 }
 
-double brdffit_fit_sigma(const struct fit *f, int kind, double theta, const brdffit_options *o)
+double brdffit_fit_sigma(const struct fit *f, int kind, double theta)
 {
-    if (f->model.kind[kind]->by_exponent) {
-        return 1.0 / sqrt(exponent_of(f, kind, theta, o));
-    }
-    theta = claimed(&f->domain[kind], theta);
-    return at_low_end(&f->domain[kind], theta)    ? o->sigma_max
-           : at_high_end(&f->domain[kind], theta) ? o->sigma_min
-                                                  : clamp(kernel_exp(-0.5 * theta), o->sigma_min, o->sigma_max);
+    double parameter = parameter_of(f, kind, theta);
+
+    return f->model.kind[kind]->by_exponent ? 1.0 / sqrt(parameter) : parameter;
 }
 
 static double objective_at(struct fit *f, struct point at, int p, double theta)
@@ -108,14 +108,13 @@ static double flat_end(struct fit *f, const struct point *at, int p, double end,
 }
 
 /* The roughness at theta, and the interval from there up to theta `high`, in the parameter's terms too. */
-static void publish_roughness(const struct fit *f, int kind, double theta, double high, const brdffit_options *o,
-                              brdffit_lobe *lobe)
+static void publish_roughness(const struct fit *f, int kind, double theta, double high, brdffit_lobe *lobe)
 {
-    lobe->sigma = lobe->sigma_high = brdffit_fit_sigma(f, kind, theta, o);
-    lobe->sigma_low = brdffit_fit_sigma(f, kind, high, o);
+    lobe->sigma = lobe->sigma_high = brdffit_fit_sigma(f, kind, theta);
+    lobe->sigma_low = brdffit_fit_sigma(f, kind, high);
     if (f->model.kind[kind]->by_exponent) {
-        lobe->exponent = lobe->exponent_low = exponent_of(f, kind, theta, o);
-        lobe->exponent_high = exponent_of(f, kind, high, o);
+        lobe->exponent = lobe->exponent_low = parameter_of(f, kind, theta);
+        lobe->exponent_high = parameter_of(f, kind, high);
     }
 }
 
@@ -150,7 +149,7 @@ static unsigned move_to_largest(struct fit *f, struct point *at, const struct le
 
 /* Roughness and its interval, with the other lobes where they ended up. */
 static void describe_lobe(struct fit *f, const struct point *at, int p, int flat, const struct level *level,
-                          const brdffit_options *o, brdffit_lobe *lobe)
+                          brdffit_lobe *lobe)
 {
     const struct domain *d = fit_domain(f, p);
     double high = at->theta[p];
@@ -165,7 +164,7 @@ static void describe_lobe(struct fit *f, const struct point *at, int p, int flat
     } else if (at_low_end(d, at->theta[p]) || at_high_end(d, at->theta[p])) {
         lobe->warnings |= BRDFFIT_WARN_AT_LIMIT;
     }
-    publish_roughness(f, f->model.lobe[p].kind, at->theta[p], high, o, lobe);
+    publish_roughness(f, f->model.lobe[p].kind, at->theta[p], high, lobe);
 }
 
 static void lobe_shares(const struct fit *f, brdffit_lobe *lobe)
@@ -277,23 +276,48 @@ static unsigned curved_lobes(const struct fit *f, const struct varpro_value *val
 }
 
 /* What is proven of a lobe is proven down to this roughness; infinity where no lobe of its kind is left. */
-static double sigma_floor(const struct fit *f, int p, const brdffit_options *o)
+static double sigma_floor(const struct fit *f, int p)
 {
     const struct domain *d = fit_domain(f, p);
 
-    return d->flat < d->low ? (double)INFINITY : brdffit_fit_sigma(f, f->model.lobe[p].kind, d->flat, o);
+    return d->flat < d->low ? (double)INFINITY : brdffit_fit_sigma(f, f->model.lobe[p].kind, d->flat);
+}
+
+/* The same of an anisotropic lobe whose ratio is given: of both roughnesses, and so of the smaller one. */
+static double smaller_floor(const struct fit *f, const brdffit_options *o)
+{
+    double ratio = fmax(f->model.stretch.ratio, 1.0 / f->model.stretch.ratio), floor = sigma_floor(f, 0);
+    const struct domain *d = &f->domain[0];
+
+    if (d->flat >= d->tail) { /* all of the range */
+        return f->model.kind[0]->by_exponent ? 1.0 / sqrt(o->exponent_max) : o->sigma_min;
+    }
+    return floor / sqrt(ratio);
 }
 
 /* Below this roughness the data see no change of any lobe. */
-static double sigma_tail(const struct fit *f, const brdffit_options *o)
+static double sigma_tail(const struct fit *f)
 {
     double least = INFINITY;
     int kind;
 
     for (kind = 0; kind < f->model.axes; kind++) {
-        least = fmin(least, brdffit_fit_sigma(f, kind, f->domain[kind].high, o));
+        least = fmin(least, brdffit_fit_sigma(f, kind, f->domain[kind].high));
     }
     return least;
+}
+
+/* sigma along and across the tangent of lobe p: the same, but of an anisotropic one. */
+static void publish_roughnesses(struct fit *f, const brdffit_options *o, int p)
+{
+    struct handout *h = f->handout;
+    int turned = f->model.turned && p == 0;
+    double root = turned ? sqrt(o->anisotropy) : 1.0;
+
+    h->anisotropy[p] = turned ? o->anisotropy : 1.0;
+    h->tangent_angle[p] = h->lobe[p].tangent_angle = turned ? o->tangent_angle : 0.0;
+    h->lobe[p].sigma_x = h->lobe[p].sigma * root;
+    h->lobe[p].sigma_y = h->lobe[p].sigma / root;
 }
 
 /* The model, which points to what the handout and the fit hold. */
@@ -314,11 +338,14 @@ static void publish_model(struct fit *f, const brdffit_options *o)
     h->model.fresnel = o->fresnel;
     h->model.diffuse = o->diffuse;
     h->model.masking = o->masking;
+    h->model.anisotropy = f->model.turned ? h->anisotropy : NULL;
+    h->model.tangent_angle = f->model.turned ? h->tangent_angle : NULL;
     h->model.f0 = f->f0;
     h->model.x_more = f->x_more;
     for (p = 0; p < o->lobes; p++) {
         h->sigma[p] = h->lobe[p].sigma;
         h->distributions[p] = f->model.distribution[p];
+        publish_roughnesses(f, o, p);
         h->lobes[p] = &h->lobe[p];
     }
     h->result.model = &h->model;
@@ -345,10 +372,10 @@ static void publish(struct fit *f, const brdffit_options *o)
         result->channels_at_limit += (size_t)f->at_limit[k];
     }
     for (p = 0; p < f->model.lobes; p++) {
-        f->handout->lobe[p].sigma_floor = sigma_floor(f, p, o);
+        f->handout->lobe[p].sigma_floor = f->model.turned && p == 0 ? smaller_floor(f, o) : sigma_floor(f, p);
         result->sigma_floor = fmax(result->sigma_floor, f->handout->lobe[p].sigma_floor);
     }
-    result->sigma_tail = sigma_tail(f, o);
+    result->sigma_tail = sigma_tail(f);
     result->distinct_c = f->data.distinct;
     result->channels_zero = f->data.channels_zero;
     result->channels_identical = f->data.channels_identical;
@@ -379,7 +406,7 @@ void brdffit_report(struct fit *f, const brdffit_options *o, double objective_sc
     }
     flat = move_to_largest(f, &at, &level, curved);
     for (p = 0; p < o->lobes; p++) {
-        describe_lobe(f, &at, p, (flat >> p) & 1, &level, o, &h->lobe[p]);
+        describe_lobe(f, &at, p, (flat >> p) & 1, &level, &h->lobe[p]);
     }
     swapped = order_lobes(&f->model, &at, h->lobe);
     if (curved != all || swapped) {

@@ -99,7 +99,7 @@ static void verify(struct fit *f, const brdffit_options *o, struct search_rules 
     r->leaves = 0;
     r->proven = 0.0;
     r->whole = measure_of_domain(f);
-    r->level = level / scale;
+    r->level = brdffit_fit_level(level, scale);
     engine.self = r;
     engine.sides = r->engine.sides;
     engine.bound = bound;

@@ -216,6 +216,30 @@ GAINS_OF_THREE(3, 1)
 GAINS_OF_THREE(1, 2)
 GAINS_OF(2, 2)
 
+static void gains_list(const struct gains_list *in, double *gain)
+{
+    const unsigned n = in->columns;
+    size_t i, k;
+    unsigned c;
+
+    for (i = 0; i < in->count; i += VEC) {
+        vec cosine[COSINES(COLUMNS_MOST)], t[COLUMNS_MOST], sum = vec_set(0.0);
+        struct gram gram;
+
+        for (c = 0; c < COSINES(n); c++) {
+            cosine[c] = vec_max(vec_load(in->cosine + c * in->count + i), vec_set(0.0));
+        }
+        gram_make(&gram, cosine, n);
+        for (k = 0; k < in->channels; k++) {
+            for (c = 0; c < n; c++) {
+                t[c] = vec_load(in->t + (k * n + c) * in->count + i);
+            }
+            sum += gram_gain(&gram, t, n);
+        }
+        vec_store(gain + i, sum);
+    }
+}
+
 static double box_maximum_1(const double *gain, double *lift)
 {
     vec out = side_maximum(vec_set(gain[0]), vec_set(gain[2]), vec_set(gain[1]), vec_set(gain[3]));

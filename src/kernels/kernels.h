@@ -48,6 +48,16 @@ struct gains {
     double fall[COSINES(COLUMNS_MOST)][2]; /* how far it may fall below its chord along its first and second side */
 };
 
+/*
+ * Gains at `count` (a multiple of LANES) listed (t, M) of `columns` columns, where a lobe may have more sides than one:
+ * cosine[e count + i], and t[(k columns + c) count + i].
+ */
+struct gains_list {
+    size_t channels, count;
+    unsigned columns;
+    const double *cosine, *t;
+};
+
 /* Corners of a box with so many sides times the subsets of sides that are shifted. */
 #define GAINS(sides) (1u << (2 * (sides)))
 
@@ -83,6 +93,9 @@ struct kernels {
      * Without `shifted`, only the first 2^S of the GAINS(S) numbers are meant. [fixed - 1][each - 1]; NULL where columns
      * would be more than COLUMNS_MOST. */
     void (*gains[FIXED_MOST][EACH_MOST][SIDES_MOST])(const struct gains *in, int shifted, double *gain);
+
+    /* gain[i], below 0 counting as 0 in cosines. */
+    void (*gains_list)(const struct gains_list *in, double *gain);
 
     /* [S - 1]: an upper bound of J in the box from these, and how far the shift of each side lifts a corner at most. */
     double (*box_maximum[SIDES_MOST])(const double *gain, double *lift);

@@ -39,6 +39,7 @@ const struct kernels KERNELS = {
     .gains = {{{gains_1_1_1, gains_1_1_2, gains_1_1_3}, {gains_1_2_1, gains_1_2_2, gains_1_2_3}},
               {{gains_2_1_1, gains_2_1_2, gains_2_1_3}, {gains_2_2_1, gains_2_2_2, NULL}},
               {{gains_3_1_1, gains_3_1_2, gains_3_1_3}, {gains_3_2_1, gains_3_2_2, NULL}}},
+    .gains_list = gains_list,
     .box_maximum = {box_maximum_1, box_maximum_2, box_maximum_3},
     .curvature = curvature,
     .functional_curvature = functional_curvature,

@@ -8,10 +8,10 @@ brdffit_distribution brdffit_model_asked(const brdffit_options *o, int p)
     return o->distributions ? o->distributions[p] : o->distribution;
 }
 
-/* Index of a kind among those that the model has so far, or their number. */
+/* Index of the kind of lobe p among those that the model has so far, or their number. */
 static int place_of(const struct model *m, const struct lobe_kind *kind)
 {
-    int i = 0;
+    int i = m->turned && m->kinds > 0; /* an anisotropic lobe's is its own */
 
     while (i < m->kinds && m->kind[i] != kind) {
         i++;
@@ -22,7 +22,7 @@ static int place_of(const struct model *m, const struct lobe_kind *kind)
 /* Index of the geometry of a kind among those so far, or their number. */
 static int geometry_of(const struct model *m, const struct lobe_kind *kind)
 {
-    int i = 0;
+    int i = m->turned && m->kinds > 0;
 
     while (i < m->geometries && m->kind[m->shown_by[i]]->row != kind->row) {
         i++;
@@ -49,7 +49,8 @@ static void add_lobe(struct model *m, int kind, brdffit_distribution distributio
 
     m->distribution[p] = distribution;
     m->lobe[p].kind = kind;
-    m->lobe[p].side = m->sides++;
+    m->lobe[p].side = m->sides;
+    m->sides += m->turned && p == 0 ? m->shapes : 1;
     m->lobe[p].column = m->columns;
     m->columns += m->each;
     m->lobe[p].first = p > 0 && m->lobe[p - 1].kind == kind ? m->lobe[p - 1].first : p;
@@ -73,7 +74,7 @@ static void add_second_columns(struct model *m)
 
 void brdffit_model_make(struct model *m, const brdffit_options *o)
 {
-    int kind, p;
+    int kind, p, own[BRDFFIT_MAX_LOBES];
 
     m->lobes = m->sides = m->kinds = m->geometries = m->lead = 0;
     m->diffuse = o->diffuse;
@@ -81,19 +82,21 @@ void brdffit_model_make(struct model *m, const brdffit_options *o)
     m->fixed = brdffit_diffuse_columns(o->diffuse);
     m->each = o->fresnel == BRDFFIT_FRESNEL_SCHLICK ? 2 : 1;
     m->columns = m->fixed;
+    m->turned = o->anisotropic;
+    m->shapes = o->anisotropic && !(o->anisotropy > 0.0) ? 2 : 1;
+    m->stretch = brdffit_stretch_of(o->anisotropy > 0.0 ? o->anisotropy : 1.0, o->tangent_angle);
     for (p = 0; p < o->lobes; p++) {
         const struct lobe_kind *wanted = brdffit_lobe_kind_masked(brdffit_model_asked(o, p), o->masking);
 
-        if (place_of(m, wanted) == m->kinds) {
+        own[p] = place_of(m, wanted);
+        if (own[p] == m->kinds) {
             add_kind(m, wanted);
         }
     }
     for (kind = 0; kind < m->kinds; kind++) {
         for (p = 0; p < o->lobes; p++) {
-            brdffit_distribution distribution = brdffit_model_asked(o, p);
-
-            if (m->kind[kind] == brdffit_lobe_kind_masked(distribution, o->masking)) {
-                add_lobe(m, kind, distribution);
+            if (own[p] == kind) {
+                add_lobe(m, kind, brdffit_model_asked(o, p));
             }
         }
     }

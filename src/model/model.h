@@ -17,13 +17,14 @@
 
 #include "base/point.h"
 #include "model/lobe.h"
+#include "model/turn.h"
 
 /* Most kinds, and most geometries (rows of b and c) among them. */
 #define KINDS_MOST (EACH_MOST * BRDFFIT_MAX_LOBES)
 
 struct model_lobe {
     int kind;   /* of its first column: index into model.kind, and of the axis that is searched */
-    int side;   /* of its shape coordinate */
+    int side;   /* of its first shape coordinate */
     int column; /* of its first coefficient */
     int first;  /* the first lobe of its kind */
 };
@@ -34,6 +35,9 @@ struct model {
     int axes, bases;  /* kinds and geometries of first columns */
     brdffit_diffuse diffuse;
     brdffit_masking masking;
+    int turned; /* the first lobe is anisotropic: its kind and geometry are its own, and they are kind 0 and geometry 0 */
+    int shapes; /* of it: how many shape coordinates are searched; 1 where their ratio is given */
+    struct stretch stretch; /* of its geometry, where it is */
     int lead; /* the geometry that samples are looked at with: one that asks for the mirror direction, where there is one */
     const struct lobe_kind *kind[KINDS_MOST];
     int geometry[KINDS_MOST]; /* of each kind: index of its row of b and c */
@@ -65,6 +69,12 @@ static inline int model_kind_of(const struct model *model, int c)
 static inline const struct lobe_kind *model_column_kind(const struct model *model, int c)
 {
     return model->kind[model_kind_of(model, c)];
+}
+
+/* How many sides lobe p has. */
+static inline int model_shapes(const struct model *model, int p)
+{
+    return p == 0 ? model->shapes : 1;
 }
 
 /* The axis of a kind. */

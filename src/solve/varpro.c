@@ -8,7 +8,8 @@
  *     E_pq =  2 sum_k ( [sum z_c d_c].[sum z_e d_e] - (p = q) [sum z_c e_c].r  -  B_p G^-1 B_q' ),
  *             B_pj = [sum z_c d_c].A_j - (j in p) d_j.r over j in S,   G = A_S'A_S
  *
- * where d_c, e_c are the first and second derivatives of column c (the norm held constant): the second line is
+ * where d_c, e_c are the first and second derivatives of column c (the norm held constant; of an anisotropic lobe with two
+ * sides, by either and by both): the second line is
  * the Schur complement of the full Hessian, so Newton's method on it converges quadratically whatever the size of
  * the residual, and for a zero residual it is Gauss-Newton.
  */
@@ -21,10 +22,32 @@
 #include "data/physical.h"
 #include "solve/compass.h"
 
+/* Which columns change with which sides, of the model as it is: it may have fewer lobes than there is room for. */
+static void list_derivatives(struct varpro *v)
+{
+    int c, d, e;
+
+    v->slopes = v->bends = 0;
+    for (c = 0; c < varpro_moving(v); c++) {
+        int p = model_lobe_of(v->model, c), side = v->model->lobe[p].side;
+
+        for (d = 0; d < model_shapes(v->model, p); d++) {
+            const struct slope slope = {c, side + d};
+
+            v->slope_of[v->slopes++] = slope;
+            for (e = 0; e <= d; e++) {
+                const struct bend bend = {c, {side + d, side + e}};
+
+                v->bend_of[v->bends++] = bend;
+            }
+        }
+    }
+}
+
 void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, size_t channels,
                            const struct model *model)
 {
-    int p;
+    int c;
 
     v->model = model;
     v->physical = 0;
@@ -34,18 +57,25 @@ void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, 
     v->q = brdffit_arena_take(arena, count, (size_t)model->columns * sizeof(double));
     v->residual = ARENA_DOUBLES(arena, count);
     v->answer = brdffit_arena_take(arena, channels, sizeof *v->answer);
-    for (p = 0; p < model->columns - model->fixed; p++) {
-        v->column[p] = ARENA_DOUBLES(arena, count);
-        v->first[p] = ARENA_DOUBLES(arena, count);
-        v->second[p] = ARENA_DOUBLES(arena, count);
+    v->exponent = model->shapes > 1 ? ARENA_DOUBLES(arena, PADDED(count)) : NULL;
+    list_derivatives(v);
+    for (c = 0; c < varpro_moving(v); c++) {
+        v->column[c] = ARENA_DOUBLES(arena, count);
+    }
+    for (c = 0; c < v->slopes; c++) {
+        v->first[c] = ARENA_DOUBLES(arena, count);
+    }
+    for (c = 0; c < v->bends; c++) {
+        v->second[c] = ARENA_DOUBLES(arena, count);
     }
 }
 
-/* Column c by theta, from x = -ell and slope of each group; no slopes: 0. */
+/* Column c of a lobe with one side by theta, from x = -ell and slope of each group; no slopes: 0. */
 static void differentiate(struct varpro *v, int c, const double u[3], const double *x, const double *slopes)
 {
     const struct reduced *data = v->data;
     const double *row_b = varpro_table(v, c)->row_b;
+    double *first = v->first[c + v->slopes - varpro_moving(v)], *second = v->second[c + v->bends - varpro_moving(v)];
     size_t r;
 
     for (r = 0; r < data->rows; r++) {
@@ -53,8 +83,8 @@ static void differentiate(struct varpro *v, int c, const double u[3], const doub
         double value = row_b[r] * v->phi[j], ell = -x[j], slope = slopes ? slopes[j] : 0.0;
 
         v->column[c][r] = value;
-        v->first[c][r] = value * (ell * u[1]);
-        v->second[c][r] = value * ((ell * ell + slope) * (u[1] * u[1]) + ell * u[2]);
+        first[r] = value * (ell * u[1]);
+        second[r] = value * ((ell * ell + slope) * (u[1] * u[1]) + ell * u[2]);
     }
 }
 
@@ -88,8 +118,8 @@ static void lobe_columns(struct varpro *v, int p, double theta, int derivatives)
 /* Products of derivative columns that every channel needs, at unit norm. */
 struct products {
     double norm[MOVING_MOST];                /* of the lobe columns */
-    double along[MOVING_MOST][COLUMNS_MOST]; /* d_c . A_j */
-    double dd[MOVING_MOST][MOVING_MOST];     /* d_c . d_e */
+    double along[SLOPES_MOST][COLUMNS_MOST]; /* d_c . A_j */
+    double dd[SLOPES_MOST][SLOPES_MOST];     /* d_c . d_e */
 };
 
 static void fill_products(const struct varpro *v, struct products *s)
@@ -98,11 +128,13 @@ static void fill_products(const struct varpro *v, struct products *s)
     int c, e, j, k, F = v->model->fixed;
 
     for (c = 0; c < varpro_moving(v); c++) {
-        double along_q[COLUMNS_MOST];
-
         s->norm[c] = v->nnls.norm[F + c] * v->nnls.scale[F + c];
+    }
+    for (c = 0; c < v->slopes; c++) {
+        double along_q[COLUMNS_MOST], norm = s->norm[v->slope_of[c].column];
+
         for (k = 0; k < v->nnls.columns; k++) {
-            along_q[k] = s->norm[c] > 0.0 ? v->kernels->dot(v->nnls.q[k], v->first[c], n) / s->norm[c] : 0.0;
+            along_q[k] = norm > 0.0 ? v->kernels->dot(v->nnls.q[k], v->first[c], n) / norm : 0.0;
         }
         for (j = 0; j < v->nnls.columns; j++) {
             s->along[c][j] = 0.0;
@@ -111,10 +143,10 @@ static void fill_products(const struct varpro *v, struct products *s)
             }
         }
         for (e = 0; e <= c; e++) {
-            double value = 0.0;
+            double other = s->norm[v->slope_of[e].column], value = 0.0;
 
-            if (s->norm[c] > 0.0 && s->norm[e] > 0.0) {
-                value = v->kernels->dot(v->first[c], v->first[e], n) / s->norm[c] / s->norm[e];
+            if (norm > 0.0 && other > 0.0) {
+                value = v->kernels->dot(v->first[c], v->first[e], n) / norm / other;
             }
             s->dd[c][e] = s->dd[e][c] = value;
         }
@@ -177,34 +209,56 @@ static void eliminate(const struct varpro *v, unsigned support, double b[SIDES_M
 
 /* What one channel makes of the columns of each side: sum z_c d_c . r, sum z_c e_c . r, B_p; and whether it uses the side. */
 struct part {
-    double dr[SIDES_MOST], er[SIDES_MOST], b[SIDES_MOST][COLUMNS_MOST];
+    double dr[SIDES_MOST], er[SIDES_MOST][SIDES_MOST], b[SIDES_MOST][COLUMNS_MOST];
     int used[SIDES_MOST];
 };
+
+static void clear_part(const struct varpro *v, struct part *out)
+{
+    int j, p, q;
+
+    for (p = 0; p < v->model->sides; p++) {
+        out->dr[p] = 0.0;
+        out->used[p] = 0;
+        for (q = 0; q < v->model->sides; q++) {
+            out->er[p][q] = 0.0;
+        }
+        for (j = 0; j < v->nnls.columns; j++) {
+            out->b[p][j] = 0.0;
+        }
+    }
+}
 
 static void fill_part(const struct varpro *v, const struct products *s, const struct nnls_answer *answer,
                       struct part *out)
 {
     size_t n = v->data->rows;
-    int c, j, p, F = v->model->fixed;
+    int c, j, m, p, F = v->model->fixed;
 
-    for (p = 0; p < v->model->sides; p++) {
-        out->dr[p] = out->er[p] = 0.0;
-        out->used[p] = 0;
-        for (j = 0; j < v->nnls.columns; j++) {
-            out->b[p][j] = 0.0;
-        }
-    }
-    for (c = 0; c < varpro_moving(v); c++) {
-        double inverse = s->norm[c] > 0.0 ? 1.0 / s->norm[c] : 0.0, z = answer->unit[F + c];
-        double dr = v->kernels->dot(v->first[c], v->residual, n) * inverse;
+    clear_part(v, out);
+    for (m = 0; m < v->slopes; m++) {
+        double inverse, z, dr;
 
-        p = model_lobe_of(v->model, c);
+        c = v->slope_of[m].column;
+        p = v->slope_of[m].side;
+        inverse = s->norm[c] > 0.0 ? 1.0 / s->norm[c] : 0.0;
+        z = answer->unit[F + c];
+        dr = v->kernels->dot(v->first[m], v->residual, n) * inverse;
         out->dr[p] += z * dr;
-        out->er[p] += z * (v->kernels->dot(v->second[c], v->residual, n) * inverse);
         out->used[p] = out->used[p] || z > 0.0;
         for (j = 0; j < v->nnls.columns; j++) {
-            out->b[p][j] += z * s->along[c][j] - (j == F + c ? dr : 0.0);
+            out->b[p][j] += z * s->along[m][j] - (j == F + c ? dr : 0.0);
         }
+    }
+    for (m = 0; m < v->bends; m++) {
+        const int *side = v->bend_of[m].side;
+        double inverse, bend;
+
+        c = v->bend_of[m].column;
+        inverse = s->norm[c] > 0.0 ? 1.0 / s->norm[c] : 0.0;
+        bend = answer->unit[F + c] * (v->kernels->dot(v->second[m], v->residual, n) * inverse);
+        out->er[side[0]][side[1]] += bend;
+        out->er[side[1]][side[0]] = out->er[side[0]][side[1]];
     }
 }
 
@@ -223,14 +277,17 @@ static void add_channel(const struct varpro *v, const struct products *s, const 
         for (q = 0; q < v->model->sides; q++) {
             /* A lobe that this channel does not use has no say in its roughness. */
             if (part.used[p] && part.used[q]) {
-                value->hessian[p][q] -= 2.0 * scale2 * (gone[p][q] + (p == q ? part.er[p] : 0.0));
+                value->hessian[p][q] -= 2.0 * scale2 * (gone[p][q] + part.er[p][q]);
             }
         }
     }
-    for (c = 0; c < varpro_moving(v); c++) {
-        for (e = 0; e < varpro_moving(v); e++) {
-            value->hessian[model_lobe_of(v->model, c)][model_lobe_of(v->model, e)] +=
-                2.0 * scale2 * (answer->unit[F + c] * answer->unit[F + e] * s->dd[c][e]);
+    for (c = 0; c < v->slopes; c++) {
+        for (e = 0; e < v->slopes; e++) {
+            const struct slope *one = &v->slope_of[c], *two = &v->slope_of[e];
+
+            value->hessian[one->side][two->side] += 2.0 * scale2 *
+                                                    (answer->unit[F + one->column] * answer->unit[F + two->column] *
+                                                     s->dd[c][e]);
         }
     }
 }
@@ -280,10 +337,17 @@ void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int deriv
     size_t k;
     int c, p, q;
 
+    list_derivatives(v);
     for (p = 0; p < v->model->lobes; p++) {
-        lobe_columns(v, p, at->theta[p], derivatives);
+        if (model_shapes(v->model, p) > 1) {
+            brdffit_varpro_turned(v, at->theta, derivatives);
+        } else {
+            lobe_columns(v, p, at->theta[v->model->lobe[p].side], derivatives);
+        }
+    }
+    for (p = 0; p < v->model->sides; p++) {
         value->gradient[p] = 0.0;
-        for (q = 0; q < v->model->lobes; q++) {
+        for (q = 0; q < v->model->sides; q++) {
             value->hessian[p][q] = 0.0;
         }
     }

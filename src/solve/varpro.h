@@ -10,6 +10,19 @@
 #include "solve/nnls.h"
 #include "data/reduce.h"
 
+/*
+ * What is differentiated: a column by a side of its lobe, and by two of them. Lobes have one side, and so each column has one
+ * slope and one bend, but for the anisotropic one: two slopes, three bends.
+ */
+#define SLOPES_MOST (MOVING_MOST + EACH_MOST)
+#define BENDS_MOST (MOVING_MOST + 2 * EACH_MOST)
+struct slope {
+    int column, side;
+};
+struct bend {
+    int column, side[2];
+};
+
 struct varpro {
     const struct reduced *data;
     const struct model *model;
@@ -21,8 +34,12 @@ struct varpro {
     double *phi; /* stride: the shape in use */
     double *x, *slope; /* stride: -ell and slope of lobes that are not exponential */
     double *column[MOVING_MOST]; /* R each: the columns of the lobes */
-    double *first[MOVING_MOST]; /* R each: d column / d theta */
-    double *second[MOVING_MOST]; /* R each */
+    double *first[SLOPES_MOST]; /* R each: d column / d theta of each slope (struct slope) */
+    double *second[BENDS_MOST]; /* R each: of each bend */
+    struct slope slope_of[SLOPES_MOST];
+    struct bend bend_of[BENDS_MOST];
+    int slopes, bends; /* of them */
+    double *exponent; /* stride: of a lobe with two shape coordinates */
     double *q; /* columns x R */
     double *residual; /* R */
     struct nnls nnls;
@@ -44,6 +61,9 @@ static inline int varpro_moving(const struct varpro *v)
 /* Sets v->model, too. */
 void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, size_t channels,
                            const struct model *model);
+
+/* The columns of the first lobe, which is anisotropic, at its two coordinates (varpro_turned.c). */
+void brdffit_varpro_turned(struct varpro *v, const double theta[2], int derivatives);
 
 void brdffit_varpro_evaluate(struct varpro *v, const struct point *at, int derivatives, struct varpro_value *value);
 

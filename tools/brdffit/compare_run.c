@@ -91,6 +91,7 @@ void brdffit_cli_compare_models(struct cli_comparison *c, struct cli_fitter *fit
 {
     const struct cli_model *before = NULL;
     memset(job, 0, sizeof *job);
+    job->azimuth = -1;
     job->path = path;
     for (size_t i = 0; i < c->count && !brdffit_cli_interrupted(); i++) {
         struct cli_entry *const entry = &c->entries[i];

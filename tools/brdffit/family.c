@@ -48,7 +48,7 @@ static void add_range(struct cli_text *text, const char *before, const char *par
 {
     double range[2];
     const int cut = brdffit_cli_proven(result, options, exponent, range);
-    brdffit_cli_text_printf(text, " %s %s in\t[", before, parameter);
+    brdffit_cli_text_printf(text, " %s %s%s in\t[", before, options->anisotropic ? "every " : "", parameter);
     add_end(text, range[0], cut && !exponent, 1);
     brdffit_cli_text_puts(text, ",\t");
     add_end(text, range[1], cut && exponent, 0);
@@ -87,11 +87,11 @@ void brdffit_cli_cut(struct cli_text *text, struct cli_style style, const brdffi
     }
     for (int exponent = 0; exponent < 2; exponent++) {
         if (brdffit_cli_any_lobe_by(options, exponent) && brdffit_cli_proven(result, options, exponent, range)) {
-            brdffit_cli_text_printf(text,
-                                    " Of %s %s to %.6g, as asked for, nothing is said: no sample sees such lobes,"
-                                    " whose coefficients would be beyond any double.",
+            brdffit_cli_text_printf(text, " Of %s %s to %.6g, as asked for, nothing is said: no sample sees %s.",
                                     exponent ? "n" : brdffit_cli_glyph(style, CLI_SIGMA), exponent ? "up" : "down",
-                                    exponent ? options->exponent_max : options->sigma_min);
+                                    exponent ? options->exponent_max : options->sigma_min,
+                                    options->anisotropic ? "1e-7 of such lobes' peak"
+                                                         : "such lobes, whose coefficients would be beyond any double");
         }
     }
 }

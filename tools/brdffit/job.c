@@ -90,6 +90,7 @@ void brdffit_cli_fitter_free(struct cli_fitter *fitter)
 static void read_table(struct cli_job *job, struct cli_fitter *fitter, const char *path, const brdffit_options *options)
 {
     memset(job, 0, sizeof *job);
+    job->azimuth = -1;
     job->path = path;
     const double start = brdffit_cli_clock();
     errno = 0;
@@ -253,6 +254,24 @@ static void judge(struct cli_job *job, const struct cli_fitter *fitter)
     free(fitted);
 }
 
+/* More samples than this are not looked at: it would take longer than the fit. */
+#define AZIMUTH_SAMPLES 20000u
+
+/* Whether an isotropic fit misses what the data do with the azimuth of the half vector. */
+static void tell_azimuth(struct cli_job *job, const struct cli_fitter *fitter)
+{
+    const brdffit_samples *const samples = job->table->samples;
+    job->azimuth = -1;
+    if (samples->form != BRDFFIT_FORM_DIRECTIONS || samples->count > AZIMUTH_SAMPLES ||
+        fitter->options.norm != BRDFFIT_NORM_L2 || fitter->options.anisotropic) {
+        return;
+    }
+    if (brdffit_azimuth_share(samples, &fitter->options, job->result->model, job->result->channel_scale, &job->azimuth,
+                              NULL) != BRDFFIT_OK) {
+        job->azimuth = -1;
+    }
+}
+
 /* Sums have weight 1 throughout, and know the plain model alone, without physical bounds. */
 static int fits_sums(const struct cli_fitter *fitter)
 {
@@ -291,6 +310,7 @@ void brdffit_cli_job_check(struct cli_job *job, struct cli_fitter *fitter)
     if (job->status == BRDFFIT_OK) {
         tell_f0(job, fitter);
         judge(job, fitter);
+        tell_azimuth(job, fitter);
     }
     if (job->status == BRDFFIT_OK && fitter->settings->verify != NULL) {
         verify(job, fitter);

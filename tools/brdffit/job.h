@@ -58,6 +58,7 @@ struct cli_job {
     double *r2; /* K, owned: brdffit_quality(); NULL: not known, as of sums */
     double quality[3];
     unsigned misfit;
+    double azimuth; /* what brdffit_azimuth_share() says; -1: not looked at */
     double *f0_low, *f0_high; /* K x P each, owned: how well the samples tell F0; NULL: not known */
 };
 

@@ -149,6 +149,25 @@ static const char *read_terms(struct cli_fit *fit, const cJSON *object, double *
     return NULL;
 }
 
+/* Two roughnesses of a lobe, where there are any. The name of the member that is wrong. */
+static const char *read_anisotropy(struct cli_fit *fit, const cJSON *object)
+{
+    const cJSON *const angle = member(object, "tangent_angle");
+    const size_t lobes = (size_t)fit->model.lobes;
+    if (member(object, "anisotropy") == NULL) {
+        return NULL;
+    }
+    if (!numbers(member(object, "anisotropy"), fit->anisotropy, lobes, 1e-300)) {
+        return "anisotropy";
+    }
+    if (!numbers(angle, fit->tangent_angle, lobes, -360)) {
+        return "tangent_angle";
+    }
+    fit->model.anisotropy = fit->anisotropy;
+    fit->model.tangent_angle = fit->tangent_angle;
+    return NULL;
+}
+
 /* The members that a fit cannot do without, in one block of numbers:
  * x, channel_scale, rms (K each), y (K P), then f0 and x_more, of which there may be none. Returns the name of a bad one. */
 static const char *read_model(struct cli_fit *fit, const cJSON *object)
@@ -184,6 +203,10 @@ static const char *read_model(struct cli_fit *fit, const cJSON *object)
     }
     if (!numbers(member(object, "sigma"), fit->sigma, p, 1e-300)) {
         return "sigma";
+    }
+    bad = read_anisotropy(fit, object);
+    if (bad != NULL) {
+        return bad;
     }
     if (!numbers(x, fit->numbers, channels, 0)) {
         return "x";

@@ -10,7 +10,7 @@
 /* A fit as its line records it. All pointers belong to the struct. */
 struct cli_fit {
     brdffit_model model; /* sigma and distributions point to those below, x and y into `numbers` */
-    double sigma[BRDFFIT_MAX_LOBES];
+    double sigma[BRDFFIT_MAX_LOBES], anisotropy[BRDFFIT_MAX_LOBES], tangent_angle[BRDFFIT_MAX_LOBES];
     brdffit_distribution distributions[BRDFFIT_MAX_LOBES];
     const double *channel_scale;
     const double *rms;

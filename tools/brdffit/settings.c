@@ -85,6 +85,13 @@ const struct cli_option brdffit_cli_options[] = {
     PLAIN("physical", 0, CLI_FLAG, SEARCHES, physical, NULL,
           "only models that reflect no more than they\nreceive: x + sum of 4 y <= 1 in each channel, of\n"
           "values that are absolute (engine moment)"),
+    PLAIN("anisotropic", 0, CLI_FLAG, CLI_FIT, anisotropic, NULL,
+          "the first lobe has two roughnesses, along the\ntangent (azimuth 0) and across it (beckmann,\n"
+          "ggx, ward, ashikhmin-shirley)"),
+    {"anisotropy", 0, CLI_NUMBER, CLI_FIT, 0, AT(anisotropy), 1e-6, 1e6, 0, NULL, "X",
+     "their ratio, along over across, where it is\nknown (default: searched); --anisotropic too"},
+    {"tangent-angle", 0, CLI_NUMBER, CLI_FIT, 0, AT(tangent_angle), -360, 360, 0, NULL, "DEG",
+     "where the lobe's own tangent lies, from azimuth 0\ncounterclockwise (default 0); --anisotropic too"},
     PLAIN("verify", 0, CLI_STRING, CLI_FIT, verify, "socp[=X]",
           "prove again, by engine socp alone, that nothing\nlies below the bound less this fraction of it\n"
           "(default 1e-3)"),
@@ -199,6 +206,10 @@ void brdffit_cli_fit_options(const struct cli_settings *settings, brdffit_option
     options->engine = (brdffit_engine)settings->engine;
     options->socp_every_box = settings->socp_every_box;
     options->physical = settings->physical;
+    options->anisotropic = settings->anisotropic || settings->anisotropy > 0 || settings->tangent_angle < 0 ||
+                           settings->tangent_angle > 0;
+    options->anisotropy = settings->anisotropy;
+    options->tangent_angle = settings->tangent_angle;
     options->normalise = (brdffit_normalise)settings->normalise;
     options->sigma_min = settings->sigma_min;
     options->sigma_max = settings->sigma_max;
@@ -247,6 +258,10 @@ void brdffit_cli_record_options(struct cli_text *text, const brdffit_options *o)
                             o->relative_gap, o->absolute_gap, o->sigma_resolution, o->box_budget);
     brdffit_cli_text_printf(text, "--max-incidence %.17g\n", o->max_incidence);
     brdffit_cli_text_puts(text, o->physical ? "--physical\n" : "");
+    if (o->anisotropic) {
+        brdffit_cli_text_printf(text, "--anisotropic\n--anisotropy %.17g\n--tangent-angle %.17g\n", o->anisotropy,
+                                o->tangent_angle);
+    }
 }
 
 const char *brdffit_cli_choice_name(const struct cli_choice *choices, int value)

@@ -31,6 +31,9 @@ struct cli_settings {
     int engine;
     int socp_every_box;
     int physical;
+    int anisotropic;      /* --anisotropic */
+    double anisotropy;    /* --anisotropy; 0: searched */
+    double tangent_angle; /* --tangent-angle */
     const char *verify;   /* as given: socp or socp=MARGIN; NULL: do not */
     double confidence;    /* --confidence, in percent; 0: none */
     double verify_margin; /* what --verify leaves of the bound */

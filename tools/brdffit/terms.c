@@ -36,7 +36,7 @@ void brdffit_cli_settle_incidence(struct cli_settings *settings)
 int brdffit_cli_special(const brdffit_options *options)
 {
     return options->fresnel != BRDFFIT_FRESNEL_NONE || options->diffuse != BRDFFIT_DIFFUSE_LAMBERT ||
-           options->masking != BRDFFIT_MASKING_V_CAVITY;
+           options->masking != BRDFFIT_MASKING_V_CAVITY || options->anisotropic;
 }
 
 size_t brdffit_cli_more_columns(brdffit_diffuse diffuse)
@@ -66,11 +66,13 @@ static const char *diffuse_words(brdffit_diffuse diffuse)
 
 void brdffit_cli_add_terms(struct cli_text *text, const brdffit_options *options)
 {
-    const char *const words[3] = {options->fresnel != BRDFFIT_FRESNEL_NONE ? "Schlick Fresnel" : NULL,
-                                  options->masking != BRDFFIT_MASKING_V_CAVITY ? masking_words(options->masking) : NULL,
-                                  options->diffuse != BRDFFIT_DIFFUSE_LAMBERT ? diffuse_words(options->diffuse) : NULL};
+    const char *const words[] = {options->anisotropic ? options->lobes > 1 ? "the first anisotropic" : "anisotropic"
+                                                      : NULL,
+                                 options->fresnel != BRDFFIT_FRESNEL_NONE ? "Schlick Fresnel" : NULL,
+                                 options->masking != BRDFFIT_MASKING_V_CAVITY ? masking_words(options->masking) : NULL,
+                                 options->diffuse != BRDFFIT_DIFFUSE_LAMBERT ? diffuse_words(options->diffuse) : NULL};
     const char *separator = " (";
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
         if (words[i] != NULL) {
             brdffit_cli_text_printf(text, "%s%s", separator, words[i]);
             separator = ", ";
@@ -156,9 +158,30 @@ static void f0_intervals(struct cli_json *json, const struct cli_job *job)
     brdffit_cli_json_close(json, ']');
 }
 
+/* Of an anisotropic lobe: the two roughnesses of each lobe, their ratio, and where the tangent lies. */
+static void roughnesses(struct cli_json *json, const brdffit_result *result)
+{
+    const size_t lobes = (size_t)result->model->lobes;
+    if (result->model->anisotropy == NULL) {
+        return;
+    }
+    brdffit_cli_json_open(json, "sigma_xy", '[');
+    for (size_t p = 0; p < lobes; p++) {
+        const double both[2] = {result->lobe[p]->sigma_x, result->lobe[p]->sigma_y};
+        brdffit_cli_json_numbers(json, NULL, both, 2);
+    }
+    brdffit_cli_json_close(json, ']');
+    brdffit_cli_json_numbers(json, "anisotropy", result->model->anisotropy, lobes);
+    brdffit_cli_json_numbers(json, "tangent_angle", result->model->tangent_angle, lobes);
+}
+
 void brdffit_cli_json_terms(struct cli_json *json, const struct cli_job *job)
 {
     const brdffit_model *const model = job->result->model;
+    roughnesses(json, job->result);
+    if (job->azimuth >= 0) {
+        brdffit_cli_json_number(json, "azimuth_share", job->azimuth);
+    }
     if (model->fresnel != BRDFFIT_FRESNEL_NONE) {
         rows(json, "f0", model->f0, model->channels, (size_t)model->lobes);
         indices(json, model);

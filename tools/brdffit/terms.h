@@ -12,7 +12,7 @@
 /* --max-incidence where it was not given: the library's, and no limit with Fresnel, which grazing light tells. */
 void brdffit_cli_settle_incidence(struct cli_settings *settings);
 
-/* Whether Fresnel, masking or the diffuse term is not the default. */
+/* Whether Fresnel, masking or the diffuse term is not the default, or a lobe anisotropic. */
 int brdffit_cli_special(const brdffit_options *options);
 
 /* Coefficients of the diffuse term after the first. */
@@ -30,13 +30,13 @@ double brdffit_cli_oren_nayar_roughness(double a, double b);
 /* Tables of F0 and of the diffuse term's coefficients, a channel a row; nothing where the model has neither. */
 void brdffit_cli_terms_report(struct cli_text *text, struct cli_style style, const struct cli_job *job);
 
-/* A paragraph for each lobe whose F0 the directions do not tell. */
+/* A paragraph for data that an anisotropic lobe would fit, and for each lobe whose F0 the directions do not tell. */
 void brdffit_cli_terms_warnings(struct cli_text *text, struct cli_style style, const struct cli_job *job);
 
 /* "fresnel", "diffuse", "masking". */
 void brdffit_cli_json_term_names(struct cli_json *json, const brdffit_options *options);
 
-/* "f0", "ior", "f0_interval", "x_more", where the model has them. */
+/* "azimuth_share", "sigma_xy", "anisotropy", "tangent_angle", "f0", "ior", "f0_interval", "x_more", where the model has them. */
 void brdffit_cli_json_terms(struct cli_json *json, const struct cli_job *job);
 
 #endif

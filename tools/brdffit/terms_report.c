@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "lobes.h"
 #include "report.h"
 #include "words.h"
 
@@ -107,9 +108,37 @@ static void diffuse_table(struct cli_text *text, struct cli_style style, const s
     brdffit_cli_text_puts(text, "\n");
 }
 
+/* Along the tangent and across it: sigma, or the exponent where that is the lobe's parameter. */
+static void roughness_table(struct cli_text *text, struct cli_style style, const brdffit_result *result)
+{
+    brdffit_cli_text_puts(text, "\n  lobe");
+    brdffit_cli_cell(text, style, "along", NUMBER_WIDTH);
+    brdffit_cli_cell(text, style, "across", NUMBER_WIDTH);
+    brdffit_cli_cell(text, style, "ratio", NUMBER_WIDTH);
+    brdffit_cli_cell(text, style, "tangent at", NUMBER_WIDTH);
+    for (int p = 0; p < result->model->lobes; p++) {
+        const brdffit_lobe *const lobe = result->lobe[p];
+        const int by = brdffit_cli_by_exponent(result->model->distributions[p]);
+        brdffit_cli_text_printf(text, "\n  %-4d", p + 1);
+        if (result->model->anisotropy[p] == 1 && p > 0) {
+            brdffit_cli_text_puts(text, "   isotropic");
+            continue;
+        }
+        brdffit_cli_number_cell(text, by ? 1 / (lobe->sigma_x * lobe->sigma_x) : lobe->sigma_x, 6, NUMBER_WIDTH);
+        brdffit_cli_number_cell(text, by ? 1 / (lobe->sigma_y * lobe->sigma_y) : lobe->sigma_y, 6, NUMBER_WIDTH);
+        brdffit_cli_number_cell(text, result->model->anisotropy[p], 4, NUMBER_WIDTH);
+        brdffit_cli_number_cell(text, lobe->tangent_angle, 4, NUMBER_WIDTH);
+        brdffit_cli_text_puts(text, " deg");
+    }
+    brdffit_cli_text_puts(text, "\n");
+}
+
 void brdffit_cli_terms_report(struct cli_text *text, struct cli_style style, const struct cli_job *job)
 {
     const brdffit_model *const model = job->result->model;
+    if (model->anisotropy != NULL) {
+        roughness_table(text, style, job->result);
+    }
     if (model->fresnel != BRDFFIT_FRESNEL_NONE) {
         f0_table(text, style, job);
     }
@@ -137,8 +166,28 @@ static int widest(const struct cli_job *job, size_t p, double ends[2])
     return ends[1] - ends[0] > WIDE;
 }
 
+/* E^2 that a slight stretch would take off is worth a word from this part on. */
+#define AZIMUTH_MATTERS 0.25
+
+static void azimuth_warning(struct cli_text *text, struct cli_style style, const struct cli_job *job)
+{
+    struct cli_text words = {0};
+    if (job->azimuth < AZIMUTH_MATTERS) {
+        return;
+    }
+    brdffit_cli_text_printf(
+        &words,
+        "the values vary with the azimuth of the half vector, as an isotropic model cannot: a slight "
+        "stretch of a lobe would take\t%.0f %% off E%s. '--anisotropic' fits two roughnesses.",
+        100 * job->azimuth, brdffit_cli_glyph(style, CLI_SQUARED));
+    brdffit_cli_paragraph(text, style, CLI_YELLOW, "Warning,", brdffit_cli_text_string(&words));
+    text->failed |= words.failed;
+    brdffit_cli_text_free(&words);
+}
+
 void brdffit_cli_terms_warnings(struct cli_text *text, struct cli_style style, const struct cli_job *job)
 {
+    azimuth_warning(text, style, job);
     for (int p = 0; job->f0_low != NULL && p < job->result->model->lobes; p++) {
         struct cli_text words = {0};
         double ends[2];

@@ -110,6 +110,8 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "brdffit_eval": (c_int, [POINTER(structs.Model), POINTER(structs.Samples), c_void_p, POINTER(structs.Error)]),
     "brdffit_quality": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), c_void_p, c_void_p, c_void_p, c_void_p,
                                 POINTER(structs.Error)]),
+    "brdffit_azimuth_share": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), POINTER(structs.Model), c_void_p,
+                                      POINTER(c_double), POINTER(structs.Error)]),
     "brdffit_f0_interval": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), POINTER(structs.Model), c_void_p,
                                     c_void_p, POINTER(structs.Error)]),
     "brdffit_texel_status_string": (c_char_p, [c_int]),

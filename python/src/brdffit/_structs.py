@@ -75,6 +75,7 @@ class Samples(ctypes.Structure):
         ("c", c_void_p),
         ("values", c_void_p),
         ("weights", c_void_p),
+        ("tangent", c_void_p),
     ]
 
 
@@ -132,6 +133,9 @@ class Options(ctypes.Structure):
         ("diffuse", c_int),
         ("masking", c_int),
         ("physical", c_int),
+        ("anisotropic", c_int),
+        ("anisotropy", c_double),
+        ("tangent_angle", c_double),
     ]
 
 
@@ -152,6 +156,8 @@ class Model(ctypes.Structure):
         ("f0", c_void_p),
         ("x_more", c_void_p),
         ("masking", c_int),
+        ("anisotropy", c_void_p),
+        ("tangent_angle", c_void_p),
     ]
 
 
@@ -169,6 +175,9 @@ class Lobe(ctypes.Structure):
         ("effective_samples", c_double),
         ("warnings", c_uint),
         ("sigma_floor", c_double),
+        ("sigma_x", c_double),
+        ("sigma_y", c_double),
+        ("tangent_angle", c_double),
     ]
 
 

@@ -43,7 +43,10 @@ def more_columns(diffuse: str) -> int:
 
 def words(of: Any) -> str:
     """ " (Schlick Fresnel, Smith masking)": of options or a fit, what is not the default; "" when all is."""
-    found = [_WORDS.get((kind, getattr(of, kind)), getattr(of, kind)) for kind in ("fresnel", "masking", "diffuse")
+    anisotropic = of.anisotropy is not None or bool(getattr(of, "anisotropic", False))
+    lobes = getattr(of, "lobe_count", None) or of.lobes
+    first = ["the first anisotropic" if lobes > 1 else "anisotropic"] if anisotropic else []
+    found = first + [_WORDS.get((kind, getattr(of, kind)), getattr(of, kind)) for kind in ("fresnel", "masking", "diffuse")
              if getattr(of, kind) != DEFAULTS[kind]]
     return " (%s)" % ", ".join(found) if found else ""
 
@@ -78,6 +81,9 @@ def of_model(model: structs.Model) -> dict[str, Any]:
     more = int(library().core.brdffit_diffuse_columns(model.diffuse)) - 1
     out["f0"] = _copy(model.f0, channels, lobes) if model.fresnel else None
     out["x_more"] = _copy(model.x_more, channels, more) if more else None
+    for name in ("anisotropy", "tangent_angle"):
+        start = getattr(model, name)
+        out[name] = _copy(start, 1, lobes).reshape(lobes) if start else None
     return out
 
 
@@ -85,9 +91,11 @@ def _copy(start: int, channels: int, width: int) -> Floats:
     return np.frombuffer(ctypes.string_at(start, 8 * channels * width), np.float64).reshape(channels, width)
 
 
-def shapes(fit: Any) -> dict[str, tuple[int, int]]:
+def shapes(fit: Any) -> dict[str, tuple[int, ...]]:
     """Of the arrays that the fit has to have."""
-    out = {}
+    out: dict[str, tuple[int, ...]] = {}
+    if fit.anisotropy is not None:
+        out["anisotropy"] = out["tangent_angle"] = (fit.lobes,)
     if fit.fresnel != "none":
         out["f0"] = (len(fit.channels), fit.lobes)
     if more_columns(fit.diffuse):
@@ -126,6 +134,20 @@ def f0_interval(model: Any, samples: structs.Samples, options: structs.Options) 
                                           None) != 0:
         return None
     return np.stack([low, high], -1)
+
+
+_AZIMUTH_SAMPLES = 20_000  # more are not looked at: it would take longer than the fit
+
+
+def azimuth_share(result: structs.Result, samples: structs.Samples, options: structs.Options) -> float | None:
+    """Of brdffit_azimuth_share; None where it has nothing to say."""
+    share = ctypes.c_double()
+    if options.norm != 0 or samples.form != structs.FORM.index("directions") or samples.count > _AZIMUTH_SAMPLES:
+        return None
+    if library().core.brdffit_azimuth_share(byref(samples), byref(options), result.model, result.channel_scale, byref(share),
+                                            None) != 0:
+        return None
+    return share.value
 
 
 # ---- Tables ------------------------------------------------------------------

@@ -32,7 +32,8 @@ WEIGHTS = {"none": "Samples count alike.", "column": "Samples have weights of th
 
 # Order of the members of `brdffit fit --json`.
 _MEMBERS = ("schema", "file", "status", "distribution", "distributions", "fresnel", "diffuse", "masking", "norm", "engine",
-            "lobes", "sigma", "exponent", "x", "y", "f0", "ior", "f0_interval", "x_more", "channel_scale", "e2", "objective",
+            "lobes", "sigma", "exponent", "x", "y", "azimuth_share", "sigma_xy", "anisotropy", "tangent_angle",
+            "f0", "ior", "f0_interval", "x_more", "channel_scale", "e2", "objective",
             "e2_error", "lower_bound", "gap", "rms", "rms_total", "r2", "r2_total", "relative_rms",
             "foreseen", "misfit", "sum_of_squares",
             "kkt_residual", "physical", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
@@ -40,7 +41,8 @@ _MEMBERS = ("schema", "file", "status", "distribution", "distributions", "fresne
             "sigma_range", "exponent_range", "relative_gap", "absolute_gap", "sigma_resolution", "box_budget",
             "max_incidence", "proven_sigma", "proven_exponent", "reading", "format", "quantity", "merl_bins", "merl_samples",
             "weighting", "notes", "data_warnings", "seconds")
-_WHERE_THERE = ("f0", "ior", "x_more", "physical", "reading")  # f0_interval: null where there is an f0 but none of it
+# f0_interval: null where there is an f0 but none of it
+_WHERE_THERE = ("azimuth_share", "sigma_xy", "anisotropy", "tangent_angle", "f0", "ior", "x_more", "physical", "reading")
 _ONLY_BY_EXPONENT = ("exponent", "exponent_interval", "exponent_range")  # proven_exponent: where there is an exponent
 
 
@@ -140,8 +142,8 @@ def _family(fit: Fit) -> str:
     """Which models the bound is about."""
     if not np.any(np.isfinite(fit.proven_sigma[:, 0])):
         return "diffuse fit" + _terms.words(fit)
-    found = ["%s in [%s, %s]" % (letter, *_proven(fit, by)) for letter, by in (("σ", "sigma"), ("n",
-        "exponent"))  # type: ignore[misc]
+    every = "every " if fit.anisotropy is not None else ""
+    found = ["%s%s in [%s, %s]" % (every, letter, *_proven(fit, by)) for letter, by in (("σ", "sigma"), ("n", "exponent"))  # type: ignore[misc]
              if by in fit.parameters]
     return "%s%s %s %s" % (_lobes.family(fit.distributions), _terms.words(fit),
                            "and" if len(set(fit.distributions)) == 1 else "with", " and ".join(found))
@@ -157,8 +159,9 @@ def _cut(fit: Fit) -> str:
         mine = [p for p in range(fit.lobes) if fit.parameters[p] == by and np.isfinite(fit.proven_sigma[p, 0])]
         if any(fit.proven_sigma[p, 0] > _asked_floor(fit, p) for p in mine):
             asked = "down to %.6g" % fit.sigma_range[0] if by == "sigma" else "up to %.6g" % fit.exponent_range[1]  # type: ignore[index]
-            out += (" Of %s %s, as asked for, nothing is said: no sample sees such lobes, whose coefficients would be "
-                    "beyond any double." % (letter, asked))
+            out += " Of %s %s, as asked for, nothing is said: no sample sees %s." % (
+                letter, asked, "1e-7 of such lobes' peak" if fit.anisotropy is not None else
+                "such lobes, whose coefficients would be beyond any double")
     return out
 
 

@@ -31,7 +31,7 @@ SamplesLike = Union[Samples, str, "os.PathLike[str]"]
 
 _ARRAY_FIELDS = ("sigma", "exponent", "x", "y", "channel_scale", "rms", "weight", "effective_samples",
                  "sigma_interval", "exponent_interval", "proven_sigma", "proven_exponent", "_merl_directions", "f0", "x_more",
-                 "f0_interval")
+                 "f0_interval", "sigma_xy", "anisotropy", "tangent_angle")
 _WORD_FIELDS = ("channels", "sigma_range", "exponent_range", "misfit", "notes", "data_warnings")
 
 
@@ -54,6 +54,10 @@ class Fit(Frozen):
         brdffit_f0_interval of brdffit.h). All None without Fresnel, f0_interval also with other norms than l2
     x_more: K x (1 or 2) coefficients of the diffuse term's further columns (Oren-Nayar's B; Burley's x r and x r^2); None
         where it has one
+    sigma_xy: P x 2, roughness along and across the tangent; anisotropy: P, their ratio, sigma being the root of their product;
+        tangent_angle: P, degrees from the samples' tangent. None where no lobe was asked to be anisotropic
+    azimuth_share: the part of e2 that a slight stretch of a lobe would take off, to first order: from about 0.25 on
+        `anisotropic` is worth it; None where it was not looked at
     e2, objective: what the norm minimises, in units of channel_scale (K divisors)
     e2_error: how far e2 may be from that of this model on the samples, by rounding and by what sums do not know
     lower_bound: proven: no model of this form with each lobe's sigma in its proven_sigma has less; gap: e2 - lower_bound
@@ -144,6 +148,10 @@ class Fit(Frozen):
     notes: tuple[str, ...] = ()
     data_warnings: tuple[str, ...] = ()
     reading: Mapping[str, Any] | None = None
+    sigma_xy: Floats | None = None
+    anisotropy: Floats | None = None
+    tangent_angle: Floats | None = None
+    azimuth_share: float | None = None
 
     def __post_init__(self) -> None:
         if not self.distributions and self.distribution is not None:  # from before there were lists
@@ -182,17 +190,20 @@ class Fit(Frozen):
     # ---- Evaluate
 
     def predict(self, light: npt.ArrayLike, view: npt.ArrayLike, *, normal: npt.ArrayLike | None = None,
-                quantity: str | None = None) -> Floats:
+                tangent: npt.ArrayLike | None = None, quantity: str | None = None) -> Floats:
         """The model at directions ... x 3 (broadcast against each other): ... x K, in the fit's quantity or the one
         that is named ("brdf" or "radiance"). 0 on and below the horizon."""
         directions = [vectors("light", light), vectors("view", view)]
-        if normal is not None:
-            directions.append(vectors("normal", normal))
+        names = ["light", "view"]
+        for name, given in (("normal", normal), ("tangent", tangent)):
+            if given is not None:
+                directions.append(vectors(name, given))
+                names.append(name)
         spread = np.broadcast_arrays(*directions)
         flat = [np.ascontiguousarray(d.reshape(-1, 3)) for d in spread]
         at = library().samples()
         at.count, at.form = len(flat[0]), structs.FORM.index("directions")
-        for name, array in zip(("light", "view", "normal"), flat):
+        for name, array in zip(names, flat):
             setattr(at, name, address(array))
         out = self._evaluate(at, quantity)
         return out.reshape(*spread[0].shape[:-1], len(self.channels))
@@ -333,7 +344,8 @@ def fit(samples: SamplesLike, *, lobes: int | Sequence[str] | None = None, distr
         sigma_resolution: float = 0.0, box_budget: int = 1_000_000, max_incidence: float | None = None,
         socp_every_box: bool = False, isa: str = "auto", weight: str | None = None,
         verify: float | None = None, progress: ProgressArgument = None, fresnel: str | None = None,
-        diffuse: str | None = None, masking: str | None = None, model: str | None = None, physical: bool = False) -> Fit:
+        diffuse: str | None = None, masking: str | None = None, model: str | None = None, physical: bool = False,
+        anisotropic: bool = False, anisotropy: float | None = None, tangent_angle: float = 0.0) -> Fit:
     """Fit a model to samples (or to a file of them) and prove how close to the best it is.
 
     Options are explained at `Options`; those that are None are the model's, or else as there.
@@ -352,7 +364,8 @@ def fit(samples: SamplesLike, *, lobes: int | Sequence[str] | None = None, distr
                         diffuse=diffuse, masking=masking)
     options = Options(norm=norm, engine=engine, normalise=normalise, sigma_range=sigma_range, exponent_range=exponent_range,
                       relative_gap=relative_gap, absolute_gap=absolute_gap, sigma_resolution=sigma_resolution,
-                      box_budget=box_budget, socp_every_box=socp_every_box, isa=isa, physical=physical, **form)
+                      box_budget=box_budget, socp_every_box=socp_every_box, isa=isa, physical=physical,
+                      anisotropic=anisotropic, anisotropy=anisotropy, tangent_angle=tangent_angle, **form)
     began = time.perf_counter()
     data = samples if isinstance(samples, Samples) else _read(samples, model)
     read = {} if data is samples else {"read": time.perf_counter() - began}
@@ -395,7 +408,8 @@ def run(samples: Samples, options: Options, verify: float | None, progress: Prog
             raise from_struct(error, path=samples.file, channels=samples.channels, lines=samples.lines)
         proof = None if verify is None else _verify(samples, options, result.contents, verify)
         told = None if options.physical else _terms.f0_interval(result.contents.model, c_samples, c_options)
-        return convert(result.contents, samples, options, proof, {**read, **observer.seconds(began, ended)}, told,
+        share = None if options.anisotropic else _terms.azimuth_share(result.contents, c_samples, c_options)
+        return convert(result.contents, samples, options, proof, {**read, **observer.seconds(began, ended)}, told, share,
                        _quality(result.contents.model, c_samples, c_options))
     finally:
         ffi.core.brdffit_result_free(result)
@@ -474,7 +488,7 @@ def _proven(floor: Floats, by_n: Sequence[bool], options: Options) -> tuple[Floa
 
 def convert(r: structs.Result, samples: Samples, options: Options, proof: Mapping[str, Any] | None,
             seconds: Mapping[str, float] | None, f0_interval: Floats | None = None,
-            quality: Mapping[str, Any] | None = None) -> Fit:
+            azimuth_share: float | None = None, quality: Mapping[str, Any] | None = None) -> Fit:
     """A brdffit_result as a Fit that owns its memory."""
     model = r.model.contents
     lobes, channels = model.lobes, model.channels
@@ -513,6 +527,8 @@ def convert(r: structs.Result, samples: Samples, options: Options, proof: Mappin
         physical={"channels_at_limit": int(r.channels_at_limit), "e2_free": r.e2_free} if options.physical else None,
         **_terms.of_model(model), **(quality or {}), notes=samples.notes, data_warnings=samples.data_warnings,
         reading=samples.reading,
+        azimuth_share=azimuth_share,
+        sigma_xy=table[:, _LOBE["sigma_x"]:_LOBE["sigma_y"] + 1] if model.anisotropy else None,
         f0_interval=None if f0_interval is None else freeze(f0_interval))
     return fit
 

@@ -38,6 +38,9 @@ class FitOptions(TypedDict, total=False):
     diffuse: str
     masking: str
     physical: bool
+    anisotropic: bool
+    anisotropy: float | None
+    tangent_angle: float
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,6 +67,10 @@ class Options:
     masking: of Beckmann and GGX lobes: "v-cavity", "smith", "smith-separable" or "none"
     physical: only models that reflect no more than they receive: in each channel x + sum of reflectances (4 y of Beckmann and
         GGX lobes) at most 1, of values that are absolute; of norm l2 and engine moment. `Fit.physical` says what came of it
+    anisotropic: the first lobe (Beckmann, GGX, Ward or Ashikhmin-Shirley, beside one other at most) has two roughnesses, along
+        the samples' tangent and across it; of norm l2 and engine moment, masking "v-cavity" or "none"
+    anisotropy: their ratio sigma_x / sigma_y where it is known; None: searched
+    tangent_angle: degrees that the lobe's own tangent is turned by from that of the samples
     """
 
     lobes: int | Sequence[str] = 1
@@ -84,6 +91,9 @@ class Options:
     diffuse: str = "lambert"
     masking: str = "v-cavity"
     physical: bool = False
+    anisotropic: bool = False
+    anisotropy: float | None = None
+    tangent_angle: float = 0.0
 
     def __post_init__(self) -> None:
         if self.max_incidence is None:
@@ -133,7 +143,8 @@ class Options:
             sigma_range=(c.sigma_min, c.sigma_max), exponent_range=(c.exponent_min, c.exponent_max),
             relative_gap=c.relative_gap, absolute_gap=c.absolute_gap, sigma_resolution=c.sigma_resolution,
             box_budget=int(c.box_budget), max_incidence=c.max_incidence, socp_every_box=bool(c.socp_every_box),
-            physical=bool(c.physical))
+            physical=bool(c.physical), anisotropic=bool(c.anisotropic), anisotropy=c.anisotropy or None,
+            tangent_angle=c.tangent_angle)
 
     def _struct(self) -> structs.Options:
         try:
@@ -159,6 +170,9 @@ class Options:
         out.box_budget = _integer("box_budget", self.box_budget, 2**63)
         out.socp_every_box = int(bool(self.socp_every_box))
         out.physical = int(bool(self.physical))
+        out.anisotropic = int(bool(self.anisotropic))
+        out.anisotropy = 0.0 if self.anisotropy is None else _number("anisotropy", self.anisotropy)
+        out.tangent_angle = _number("tangent_angle", self.tangent_angle)
         for kind in _terms.DEFAULTS:
             setattr(out, kind, _terms.check(kind, getattr(self, kind)))
         return out

@@ -21,7 +21,7 @@ from .readers.native import column_words, protocol84
 
 __all__ = ["Samples", "column_words", "protocol84"]
 
-_VECTORS = ("light", "view", "normal")
+_VECTORS = ("light", "view", "normal", "tangent")
 _ANGLES = ("cos_light", "cos_view", "tan2_half", "cos_difference")
 _COEFFICIENTS = ("a", "b", "c")
 _COLUMNS = (*_ANGLES, *_COEFFICIENTS, "weights")
@@ -35,7 +35,7 @@ class Samples(Frozen):
     values: N x K, f_r in 1/sr (quantity "brdf") or f_r (n.l) (quantity "radiance")
     channels: K names
     form: which of the following are given
-        "directions": light, view (N x 3, any length but zero), normal (N x 3, or None for +z)
+        "directions": light, view (N x 3, any length but zero), normal (N x 3, or None for +z), tangent (N x 3, or None for +x)
         "angles": cos_light, cos_view, tan2_half, cos_difference (N each)
         "coefficients": a, b, c of the model (N each)
     weights: N, multiplies squared residuals of radiance; None: all 1
@@ -56,6 +56,7 @@ class Samples(Frozen):
     light: Floats | None = None
     view: Floats | None = None
     normal: Floats | None = None
+    tangent: Floats | None = None
     cos_light: Floats | None = None
     cos_view: Floats | None = None
     tan2_half: Floats | None = None
@@ -124,14 +125,17 @@ class Samples(Frozen):
     @classmethod
     def from_arrays(cls, light: npt.ArrayLike, view: npt.ArrayLike, values: npt.ArrayLike, *,
                     normal: npt.ArrayLike | None = None, weights: npt.ArrayLike | None = None,
-                    channels: Sequence[str] | None = None, quantity: str = "brdf") -> Samples:
+                    channels: Sequence[str] | None = None, quantity: str = "brdf",
+                    tangent: npt.ArrayLike | None = None) -> Samples:
         """Directions towards light and viewer (N x 3 each) around the normal (N x 3, one vector, or None for +z), and
-        values N x K or N. Directions need not be normalised."""
+        values N x K or N. Directions need not be normalised. tangent, likewise: where anisotropic lobes have their sigma_x; it
+        is needed by them where there are normals."""
         data = _rows(values)
         count = len(data)
         return cls(values=data, channels=_names(channels, data), quantity=quantity,
                    light=_spread("light", light, count), view=_spread("view", view, count),
                    normal=None if normal is None else _spread("normal", normal, count),
+                   tangent=None if tangent is None else _spread("tangent", tangent, count),
                    weights=None if weights is None else column("weights", weights, count))
 
     @classmethod
