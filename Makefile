@@ -53,16 +53,15 @@ COMPILE = $(CC) $(CPPFLAGS) -Iinclude $(CFLAGS) $(WARNINGS) $(REQUIRED) -MMD -MP
 THIRD_PARTY ?= $(BUILD)/third_party
 VENV ?= $(BUILD)/venv
 
-# With and without ECOS are two object trees, so that switching never mixes them.
-ifeq ($(ECOS),0)
-OBJ := $(BUILD)/obj-noecos
-else
+# One file of the library knows whether there is ECOS, and tests that ask: without it these have objects of their own, so
+# that switching never mixes them and both builds share all others.
 OBJ := $(BUILD)/obj
-endif
+ASKING := src/solve/conic/socp.c $(shell grep -lE 'BRDFFIT_NO_ECOS|"fewer\.h"' /dev/null $(wildcard tests/*.c tests/*/*.c))
+ASKING_OBJ := $(OBJ)$(if $(filter 0,$(ECOS)),/no_ecos)
 
 # ---- Files -------------------------------------------------------------------
 
-object = $(patsubst %.c,$(OBJ)/%.o,$(1))
+object = $(patsubst %.c,$(OBJ)/%.o,$(filter-out $(ASKING),$(1))) $(patsubst %.c,$(ASKING_OBJ)/%.o,$(filter $(ASKING),$(1)))
 program = $(patsubst %,$(BUILD)/%,$(basename $(notdir $(1))))
 
 # One folder a layer (src/README.md); src/io is a library of its own.
@@ -104,8 +103,8 @@ EXAMPLE_PROGRAMS := $(EXAMPLES:%.c=$(BUILD)/%)
 
 # ---- Targets -----------------------------------------------------------------
 
-.PHONY: all libraries programs examples test-programs demo deps deps-check check check-build check-c check-scripts \
-        check-asan check-python check-docs docs install uninstall clean distclean help FORCE
+.PHONY: all libraries programs examples test-programs demo deps deps-check check check-fast check-build check-c \
+        check-scripts check-asan check-python check-docs docs install uninstall clean distclean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 .SUFFIXES:
@@ -125,7 +124,8 @@ help:
 	@echo 'make examples    programs of a page each that use the library, in $(BUILD)/examples/'
 	@echo 'make demo        install what is missing, build, fit the shipped example'
 	@echo 'make check       install what is missing, build, run every test (sanitizers included)'
-	@echo 'make check-asan  C tests and command line under AddressSanitizer and UBSan'
+	@echo 'make check-fast  what of it takes less than a minute, from a tree that is built: after each change'
+	@echo 'make check-c check-scripts check-asan check-python check-docs   its parts'
 	@echo 'make venv        the environment of the Python tests, of clang-format and of ruff, in $(VENV)'
 	@echo 'make check-package  the Python package: wheel, sdist, editable, ECOS=0, removal, in fresh environments'
 	@echo 'make deps        only install what is missing (Debian; elsewhere: say what is missing)'
@@ -153,7 +153,11 @@ define remember
 endef
 
 $(OBJ)/compile.flags: FORCE
-	$(call remember,$(COMPILE) ECOS=$(ECOS) $(ECOS_ROOT))
+	$(call remember,$(COMPILE))
+
+# Of what sees ECOS.
+$(ASKING_OBJ)/ecos.flags: FORCE
+	$(call remember,$(ECOS_FLAGS))
 
 $(BUILD)/link.flags: FORCE
 	$(call remember,$(CC) $(CFLAGS) $(LDFLAGS) $(AR) $(OBJ) $(VERSION) $(SOVERSION) $(CORE) $(IO) $(CLI) $(GONIOMETER))
@@ -206,19 +210,19 @@ $(ECOS_READY):
 endif
 
 # Not ours: warnings off. No LTO, because the objects are linked into one before the archive is made.
-$(OBJ)/ecos/%.o: $(OBJ)/compile.flags | $(ECOS_READY)
+$(OBJ)/ecos/%.o: $(OBJ)/compile.flags $(ASKING_OBJ)/ecos.flags | $(ECOS_READY)
 	@mkdir -p $(@D)
 	$(call say,CC,$@)$(CC) $(CPPFLAGS) $(ECOS_FLAGS) $(CFLAGS) -std=gnu11 $(filter-out -std=c11,$(REQUIRED)) -fno-lto -w \
 	    -c $(ECOS_ROOT)/$*.c -o $@
 endif
 
 # socp.o of the archive is our socp.c with all of ECOS, AMD and LDL inside and no name visible but ours.
-SOCP := $(OBJ)/src/solve/conic/socp.o
-SOCP_WHOLE := $(OBJ)/socp.o
+SOCP := $(ASKING_OBJ)/src/solve/conic/socp.o
+SOCP_WHOLE := $(ASKING_OBJ)/socp.o
 CORE_MEMBERS := $(filter-out $(SOCP),$(CORE)) $(if $(filter $(SOCP),$(CORE)),$(SOCP_WHOLE))
 
 $(SOCP): EXTRA = $(ECOS_FLAGS) -fno-lto
-$(SOCP): | $(ECOS_READY)
+$(SOCP): $(ASKING_OBJ)/ecos.flags | $(ECOS_READY)
 
 $(SOCP_WHOLE): $(SOCP) $(ECOS_OBJECTS)
 	$(call say,LD,$@)$(CC) $(filter -m%,$(CFLAGS)) -r -nostdlib $^ -o $@.tmp && \
@@ -244,9 +248,27 @@ endif
 
 # ---- Compile -----------------------------------------------------------------
 
-$(OBJ)/src/%.o: src/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
+define compile_source
 	@mkdir -p $(@D)
 	$(call say,CC,$<)$(COMPILE) -Isrc $(ISA_FLAGS) $(EXTRA) -c $< -o $@
+endef
+
+define compile_test
+	@mkdir -p $(@D)
+	$(call say,CC,$<)$(COMPILE) -Isrc -Itests $(if $(filter 0,$(ECOS)),-DBRDFFIT_NO_ECOS) -c $< -o $@
+endef
+
+$(OBJ)/src/%.o: src/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
+	$(compile_source)
+
+$(OBJ)/no_ecos/src/%.o: src/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
+	$(compile_source)
+
+$(OBJ)/tests/%.o: tests/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
+	$(compile_test)
+
+$(OBJ)/no_ecos/tests/%.o: tests/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
+	$(compile_test)
 
 # Tools and examples see the public headers only.
 $(OBJ)/tools/%.o: tools/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
@@ -256,10 +278,6 @@ $(OBJ)/tools/%.o: tools/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 $(OBJ)/examples/%.o: examples/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 	@mkdir -p $(@D)
 	$(call say,CC,$<)$(COMPILE) -c $< -o $@
-
-$(OBJ)/tests/%.o: tests/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
-	@mkdir -p $(@D)
-	$(call say,CC,$<)$(COMPILE) -Isrc -Itests $(if $(filter 0,$(ECOS)),-DBRDFFIT_NO_ECOS) -c $< -o $@
 
 # ---- Link --------------------------------------------------------------------
 
@@ -305,10 +323,20 @@ $(EXAMPLE_PROGRAMS): $(BUILD)/examples/%: $(OBJ)/examples/%.o $(STATIC) $(BUILD)
 	$(call say,LINK,$@)$(LINK) -o $@ $< $(STATIC) -lm -pthread
 
 # A test that needs linker options says so in its source: a line with "LDFLAGS:" and the options.
-$(TEST_PROGRAMS): $(BUILD)/tests/%: $(OBJ)/tests/%.o $(TEST_SUPPORT) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
+define link_test
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)$(LINK) -o $@ $< $(TEST_SUPPORT) $(STATIC_IO) $(STATIC) \
 	    $$(sed -n 's/^.*LDFLAGS: *\(-[^*]*[^* ]\).*$$/\1/p' tests/$*.c) -lcmocka -lz -lm
+endef
+
+ASKING_PROGRAMS := $(filter $(ASKING:tests/%.c=$(BUILD)/tests/%),$(TEST_PROGRAMS))
+$(TEST_PROGRAMS): $(TEST_SUPPORT) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
+
+$(filter-out $(ASKING_PROGRAMS),$(TEST_PROGRAMS)): $(BUILD)/tests/%: $(OBJ)/tests/%.o
+	$(link_test)
+
+$(ASKING_PROGRAMS): $(BUILD)/tests/%: $(ASKING_OBJ)/tests/%.o
+	$(link_test)
 
 $(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS): $(BUILD)/tests/%: $(OBJ)/tests/%.o $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
 	@mkdir -p $(@D)
@@ -369,66 +397,105 @@ demo:
 
 # Figures and notebook run the library; a warning, a cell that fails or a bound above the truth ends the build.
 DOCS_VENV ?= $(BUILD)/docs_venv
+docs-venv:
+	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(DOCS_VENV)' docs/requirements.txt
 ifeq ($(ECOS),0)
 docs:
 	@echo 'The documentation compares both engines: it needs ECOS.' >&2; exit 1
 check-docs:
 	@echo 'The documentation compares both engines: not built without ECOS.'
 else
-docs: all
-	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(DOCS_VENV)' docs/requirements.txt
+docs: all docs-venv
 	@'$(DOCS_VENV)/bin/python' docs/build.py '$(BUILD)'
 check-docs: docs
 endif
-
-check: deps
-	@[ '$(BROWSER)' = 0 ] || sh tools/setup/deps.sh install browser || \
-	    echo 'No Chromium: the test of the pages of brdffit report in a browser is skipped.' >&2
-	@$(MAKE) --no-print-directory check-build
-	@failed=; for part in venv check-c check-scripts check-asan check-python check-docs; do \
-	    $(MAKE) --no-print-directory $$part || failed="$$failed $$part"; \
-	done; \
-	if [ -n "$$failed" ]; then echo "make check: FAILED in$$failed" >&2; exit 1; fi; \
-	echo 'make check: everything passed'
-
-check-build: all test-programs
-
-check-c: check-build
-	@BRDFFIT_BUILD='$(abspath $(BUILD))' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' \
-	    sh tools/setup/run_tests.sh programs $(TEST_PROGRAMS)
-
-# The scripts build what they need themselves; they inherit the compiler and its flags. check_format.sh finds its tools in
-# the tests' environment, but is not a reason to download it: `make check` does that first.
-check-scripts: check-build
-	@BRDFFIT_BUILD='$(abspath $(BUILD))' MAKE='$(MAKE)' CC='$(CC)' THIRD_PARTY='$(abspath $(THIRD_PARTY))' \
-	    ECOS='$(ECOS)' ECOS_DIR='$(ECOS_DIR)' WERROR='$(WERROR)' VENV='$(abspath $(VENV))' \
-	    sh tools/setup/run_tests.sh scripts $(SCRIPTS)
-
-SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
-ASAN = $(MAKE) --no-print-directory BUILD='$(BUILD)/asan' THIRD_PARTY='$(THIRD_PARTY)' VENV='$(VENV)' \
-    CFLAGS='-O1 -g -fno-omit-frame-pointer $(SANITIZE)' LDFLAGS='$(LDFLAGS) $(SANITIZE)'
-
-check-asan:
-	+@$(ASAN) programs test-programs
-	+@$(ASAN) check-asan-run
-
-check-asan-run:
-	@failed=0; \
-	BRDFFIT_BUILD='$(abspath $(BUILD))' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' \
-	    sh tools/setup/run_tests.sh programs $(TEST_PROGRAMS) || failed=1; \
-	$(MAKE) --no-print-directory check-python PYTESTS='$(wildcard tests/cli)' || failed=1; \
-	exit $$failed
-.PHONY: check-asan-run
+.PHONY: docs-venv
 
 # The environment of the Python tests, of clang-format and of ruff.
 venv:
 	@PYTHON='$(PYTHON)' sh tools/setup/venv.sh '$(VENV)' tests/requirements.txt
 .PHONY: venv
 
-PYTESTS ?= $(wildcard tests python/tests)
-check-python: venv
-	@BRDFFIT_BUILD='$(abspath $(BUILD))' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' \
-	    sh tools/setup/run_tests.sh python '$(VENV)' '$(BUILD)' $(PYTESTS)
+# ---- Trees beside the main one, for tests ----
+
+# With sanitizers: what tests of C and of the command line run.
+SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
+ASAN := $(BUILD)/asan
+build-asan:
+	+@$(MAKE) --no-print-directory BUILD='$(ASAN)' THIRD_PARTY='$(THIRD_PARTY)' \
+	    CFLAGS='-O1 -g1 -fno-omit-frame-pointer $(SANITIZE)' LDFLAGS='$(LDFLAGS) $(SANITIZE)' sanitized
+
+sanitized: $(TOOLS) $(TEST_PROGRAMS)
+
+# Without ECOS, and without a place to fetch it to. What does not ask for it is of the main tree.
+build-ecos0: programs test-programs
+	+@$(MAKE) --no-print-directory ECOS=0 ECOS_DIR= BUILD='$(BUILD)/ecos0' OBJ='$(OBJ)' THIRD_PARTY='$(BUILD)/ecos0/none' \
+	    libraries programs test-programs
+
+# With headers whose structures have grown at their ends. Bits are the same at any optimisation.
+GROWN := $(BUILD)/grown
+$(GROWN)/headers/%.h: include/%.h tests/abi/grow.awk
+	@mkdir -p $(@D)
+	@awk -f tests/abi/grow.awk $< > $@
+
+build-grown: $(GROWN)/headers/brdffit.h $(GROWN)/headers/brdffit_io.h
+	+@$(MAKE) --no-print-directory BUILD='$(GROWN)' THIRD_PARTY='$(THIRD_PARTY)' WERROR=0 CFLAGS='$(CFLAGS) -O1 -g0' \
+	    CPPFLAGS='-I$(GROWN)/headers $(CPPFLAGS)' shared
+
+shared: $(SHARED) $(SHARED_IO)
+
+check-build: all examples test-programs
+
+check-trees: check-build build-asan build-ecos0 build-grown venv $(if $(filter 0,$(ECOS)),,docs-venv)
+.PHONY: build-asan sanitized build-ecos0 build-grown shared check-trees
+
+# ---- Tests: units for tools/setup/run_tests.sh ----
+
+PYTESTS ?= tests/cli tests/test_*.py python/tests
+C_UNITS := $(TEST_PROGRAMS:%=programs:%)
+SCRIPT_UNITS := $(SCRIPTS:%=scripts:%)
+ASAN_UNITS := $(TEST_PROGRAMS:$(BUILD)/%=sanitized:$(ASAN)/%) sanitized-python:$(ASAN):tests/cli
+PYTHON_UNITS := $(PYTESTS:%=python:$(BUILD):%)
+DOCS_UNITS := $(if $(filter 0,$(ECOS)),,docs:$(BUILD))
+# The C tests that are not among the longest, and of the rest what looks at most for its time.
+SLOW := $(shell sed -n 's/^programs://p' /dev/null $(wildcard tests/longest.txt))
+FAST_SCRIPTS := layers citations symbols format
+FAST_PYTESTS := $(shell sed '/^\#/d' /dev/null $(wildcard tests/fast.txt))
+FAST_UNITS := $(filter-out $(SLOW:%=programs:$(BUILD)/tests/%),$(C_UNITS)) \
+    $(FAST_SCRIPTS:%=scripts:tests/check_%.sh) $(FAST_PYTESTS:%=python:$(BUILD):%)
+
+# Scripts call make again, as it was called here: the compiler, its flags and relative paths are the same, or it would build
+# everything anew. check_format.sh finds its tools in the tests' environment, but is not a reason to download it.
+RUN = MAKEFLAGS= BRDFFIT_BUILD='$(BUILD)' BRDFFIT_DATA='$(abspath $(BRDFFIT_DATA))' MAKE='$(MAKE)' CC='$(CC)' \
+    THIRD_PARTY='$(THIRD_PARTY)' ECOS='$(ECOS)' ECOS_DIR='$(ECOS_DIR)' WERROR='$(WERROR)' VENV='$(VENV)' \
+    DOCS_VENV='$(DOCS_VENV)' sh tools/setup/run_tests.sh
+# As many jobs as there are processors, unless the caller has said.
+JOBS = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell getconf _NPROCESSORS_ONLN 2> /dev/null || echo 1))
+
+# Build everything, then run everything side by side: no step waits for another's last test.
+check: deps
+	@[ '$(BROWSER)' = 0 ] || sh tools/setup/deps.sh install browser || \
+	    echo 'No Chromium: the test of the pages of brdffit report in a browser is skipped.' >&2
+	+@failed=; \
+	$(MAKE) --no-print-directory -k $(JOBS) check-trees || failed=1; \
+	$(RUN) $(C_UNITS) $(SCRIPT_UNITS) $(ASAN_UNITS) $(PYTHON_UNITS) $(DOCS_UNITS) || failed=1; \
+	if [ -n "$$failed" ]; then echo 'make check: FAILED' >&2; exit 1; fi; \
+	echo 'make check: everything passed'
+
+check-fast: check-build venv
+	@$(RUN) $(FAST_UNITS)
+
+check-c: check-build
+	@$(RUN) $(C_UNITS)
+
+check-scripts: check-build build-ecos0 build-grown
+	@$(RUN) $(SCRIPT_UNITS)
+
+check-asan: build-asan venv
+	@$(RUN) $(ASAN_UNITS)
+
+check-python: check-build venv
+	@$(RUN) $(PYTHON_UNITS)
 
 # Virtual environments and downloads: not in `make check`. A copy of this goes through every way to install the package.
 check-package:
@@ -436,7 +503,7 @@ check-package:
 .PHONY: check-package
 
 clean:
-	rm -rf $(BUILD)/obj $(BUILD)/obj-noecos $(BUILD)/tests $(BUILD)/asan $(BUILD)/ecos0 $(BUILD)/demo
+	rm -rf $(BUILD)/obj $(BUILD)/tests $(BUILD)/asan $(BUILD)/ecos0 $(BUILD)/demo
 	rm -rf $(BUILD)/examples $(BUILD)/grown $(BUILD)/install $(BUILD)/whole $(BUILD)/python $(BUILD)/pycache $(BUILD)/pytest_cache
 	rm -f $(BUILD)/libbrdffit* $(BUILD)/*.pc $(BUILD)/*.flags $(BUILD)/brdffit $(BUILD)/goniometer $(BUILD)/bench_*
 	rm -rf $(BUILD)/docs
@@ -447,4 +514,5 @@ distclean:
 # In this order. The Python package's sdist has none of them: it builds the library only.
 include $(wildcard tools/bench/peers.mk) $(wildcard tools/bench/bench.mk) $(wildcard tools/stress/stress.mk)
 
--include $(wildcard $(OBJ)/src/*/*.d $(OBJ)/src/*/*/*.d $(OBJ)/tools/*/*.d $(OBJ)/examples/*.d $(OBJ)/tests/*.d $(OBJ)/tests/*/*.d)
+-include $(wildcard $(foreach tree,$(sort $(OBJ) $(ASKING_OBJ)),$(tree)/src/*/*.d $(tree)/src/*/*/*.d $(tree)/tests/*.d $(tree)/tests/*/*.d))
+-include $(wildcard $(OBJ)/tools/*/*.d $(OBJ)/examples/*.d)

@@ -4,6 +4,4 @@
 set -eu
 cd "$(dirname "$0")/.."
 build=${BRDFFIT_BUILD:-build}
-objects=$build/obj
-[ -d "$objects/src" ] || objects=$build/obj-noecos
-"${PYTHON:-python3}" tests/check_layers.py "$objects"
+"${PYTHON:-python3}" tests/check_layers.py "$build/obj"

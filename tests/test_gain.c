@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "fewer.h"
 #include "solve/nnls.h"
 #include "nnls_case.h"
 #include "base/tolerance.h"
@@ -101,7 +102,7 @@ static void test_gain3(void **state)
     long trial;
 
     (void)state;
-    for (trial = 0; trial < 200000; trial++) {
+    for (trial = 0; trial < FEWER(200000, 20000); trial++) {
         struct gram_case c;
         long double z[3], best = 0.0L, norm2;
         double gain;
@@ -138,7 +139,7 @@ static void test_gain2(void **state)
     long trial;
 
     (void)state;
-    for (trial = 0; trial < 200000; trial++) {
+    for (trial = 0; trial < FEWER(200000, 20000); trial++) {
         struct gram_case c;
         long double z[3] = {0.0L, 0.0L, 0.0L}, best, norm2;
         double gain;
@@ -164,7 +165,7 @@ static void test_monotone(void **state)
     long trial;
 
     (void)state;
-    for (trial = 0; trial < 200000; trial++) {
+    for (trial = 0; trial < FEWER(200000, 20000); trial++) {
         struct gram_case c, d;
         double before, after, norm2;
         int i;

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "fewer.h"
 #include "gain_reference.h"
 #include "kernels/kernels.h"
 #include "nnls_case.h"
@@ -466,7 +467,7 @@ static void test_box_maximum(void **state)
 
     (void)state;
     for (sides = 1; sides <= SIDES_MOST; sides++) {
-        for (trial = 0; trial < (sides > 2 ? 400 : 1500); trial++) {
+        for (trial = 0; trial < FEWER(sides > 2 ? 400 : 1500, 150); trial++) {
             double gain[GAINS(SIDES_MOST)] = {0.0}, lift[SIDES_MOST], first_lift[SIDES_MOST] = {0.0}, first;
 
             draw_numbers(gain, sides, &s);

@@ -13,11 +13,12 @@
 #include <cmocka.h>
 
 #include "base/tolerance.h"
+#include "fewer.h"
 #include "model/geometry.h"
 #include "model/rounding.h"
 #include "rounding_scene.h"
 
-#define DIRECTIONS 200000
+#define DIRECTIONS FEWER(200000, 20000)
 
 /* Doubles are converted to quad: their products with errors do not round. */
 static int within(quad truth, double value, quad error)
@@ -100,10 +101,10 @@ static void test_small_angles_keep_their_digits(void **state)
 {
     struct brdffit_test_random random = {8};
     struct scene s;
-    int i, general, seen = 0;
+    int i, general, seen = 0, count = FEWER(20000, 4000);
 
     (void)state;
-    for (i = 0; i < 20000; i++) {
+    for (i = 0; i < count; i++) {
         struct oracle_angles at;
         struct geometry got;
         brdffit_samples samples;
@@ -124,7 +125,7 @@ static void test_small_angles_keep_their_digits(void **state)
             seen++;
         }
     }
-    assert_true(seen > 5000);
+    assert_true(seen > count / 4);
 }
 
 /* eval is the model, within what the errors of its geometry make of it and a few units of its own. */
@@ -135,7 +136,7 @@ static void test_eval(void **state)
     size_t i;
 
     (void)state;
-    for (i = 0; i < 30000; i++) {
+    for (i = 0; i < FEWER(30000, 5000); i++) {
         brdffit_distribution d = (brdffit_distribution)brdffit_test_below(&random, BRDFFIT_DISTRIBUTION_COUNT);
         double x = brdffit_test_uniform(&random, 0.0, 1.0), y = brdffit_test_uniform(&random, 0.0, 1.0), out;
         double sigma = !oracle_by_exponent(d) || i % 2 ? power(&random, -3.0, 0.5) : power(&random, -1.0, 1.0);

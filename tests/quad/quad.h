@@ -50,6 +50,7 @@ struct quad_problem {
     size_t skipped[BRDFFIT_SKIP_COUNT];
     int doubtful;           /* samples that double arithmetic may see on the other side of a limit */
     quad *column;           /* work: 2 x QUAD_COLUMNS x count */
+    struct quad_work *work; /* of quad_at(): what the next s may share with the last */
     quad *block;
 };
 
@@ -105,6 +106,9 @@ quad quad_at_model(const struct quad_problem *p, const double *sigma, const doub
 
 /* The least over coefficients >= 0 at these s; INFINITY where a coefficient would be beyond any double. */
 quad quad_at(const struct quad_problem *p, const quad *s);
+
+/* NULL without memory; free() it. */
+struct quad_work *quad_work_new(size_t channels);
 
 /* Columns a and g_j(s_j) shape / shape(c_min), `column` holds columns x count. */
 void quad_columns(const struct quad_problem *p, const quad *s, quad *column);

@@ -1,38 +1,67 @@
 /*
  * E^2 at a model, and the least one at given roughnesses. SPDX-License-Identifier: MIT
  *
- * Least squares with coefficients >= 0: supports (at most 127) are solved by Cholesky of unit columns, from all columns
- * down, until one has no negative coefficient and no column outside of it that would help: that is the optimum. Where
- * rounding hides it, the best of all of them is taken. E^2 is summed from its residuals. A support that is wrong by
+ * Least squares with coefficients >= 0: supports (at most 127) are solved by Cholesky of unit columns, the last optimum's
+ * first, then from all columns down, until one has no negative coefficient and no column outside of it that would help:
+ * that is the optimum. Where rounding hides it, the best of all of them is taken. From one s to the next the columns of
+ * a lobe that has not moved stay, and their products. E^2 is summed from its residuals. A support that is wrong by
  * rounding costs nothing but a slightly worse point: what is returned is the E^2 of coefficients >= 0 all the same.
  */
 #include "quad.h"
 
 #include <float.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define SUPPORTS (1 << QUAD_COLUMNS)
 /* A column with less than this new is left out of its support. */
 #define DEPENDENT 1e-28
 
+struct normal {
+    int columns;
+    quad length[QUAD_COLUMNS];
+    quad gram[QUAD_COLUMNS][QUAD_COLUMNS];
+    quad factor[SUPPORTS][QUAD_COLUMNS][QUAD_COLUMNS]; /* Cholesky of each support, rows of its columns in order */
+    quad over[SUPPORTS][QUAD_COLUMNS];                 /* 1 / its diagonal */
+    enum { UNKNOWN, USABLE, USELESS } state[SUPPORTS]; /* factored when it is first asked for */
+};
+
+struct quad_work {
+    int known; /* whether p->column and normal are those at s */
+    quad s[QUAD_LOBES];
+    struct normal normal;
+    int likely[]; /* the last optimum's support, channels of them */
+};
+
+struct quad_work *quad_work_new(size_t channels)
+{
+    return calloc(1, sizeof(struct quad_work) + channels * sizeof(int));
+}
+
+static void lobe_columns(const struct quad_problem *p, int j, quad s, quad *column)
+{
+    const struct quad_lobe *lobe = &p->lobe[j];
+    size_t i, n = p->count;
+    quad *g = column + (size_t)(p->fixed + j * p->each) * n;
+
+    for (i = 0; i < n; i++) {
+        g[i] = lobe->b[i] > 0 ? lobe->b[i] * quad_lobe_shape(lobe, s, i) : 0;
+        if (p->each > 1) {
+            g[n + i] = g[i] * lobe->w[i];
+        }
+    }
+}
+
 void quad_columns(const struct quad_problem *p, const quad *s, quad *column)
 {
-    size_t i, n = p->count;
     int f, j;
 
+    p->work->known = 0;
     for (f = 0; f < p->fixed; f++) {
-        memcpy(column + (size_t)f * n, p->a[f], n * sizeof *column);
+        memcpy(column + (size_t)f * p->count, p->a[f], p->count * sizeof *column);
     }
     for (j = 0; j < p->lobes; j++) {
-        const struct quad_lobe *lobe = &p->lobe[j];
-        quad *g = column + (size_t)(p->fixed + j * p->each) * n;
-
-        for (i = 0; i < n; i++) {
-            g[i] = lobe->b[i] > 0 ? lobe->b[i] * quad_lobe_shape(lobe, s[j], i) : 0;
-            if (p->each > 1) {
-                g[n + i] = g[i] * lobe->w[i];
-            }
-        }
+        lobe_columns(p, j, s[j], column);
     }
 }
 
@@ -110,15 +139,6 @@ quad quad_at_model(const struct quad_problem *p, const double *sigma, const doub
 
 /* ---- Least squares ---------------------------------------------------------------------------------------------- */
 
-struct normal {
-    int columns;
-    quad length[QUAD_COLUMNS];
-    quad gram[QUAD_COLUMNS][QUAD_COLUMNS];
-    quad factor[SUPPORTS][QUAD_COLUMNS][QUAD_COLUMNS]; /* Cholesky of each support, rows of its columns in order */
-    quad over[SUPPORTS][QUAD_COLUMNS];                 /* 1 / its diagonal */
-    enum { UNKNOWN, USABLE, USELESS } state[SUPPORTS]; /* factored when it is first asked for */
-};
-
 static quad dot(const quad *u, const quad *v, size_t n)
 {
     quad sum = 0;
@@ -167,8 +187,9 @@ static int cholesky(struct normal *m, int support)
     return 1;
 }
 
-/* `weighted` takes the columns times the weights. */
-static void normal_equations(const struct quad_problem *p, const quad *column, quad *weighted, struct normal *m)
+/* Of the columns that moved. `weighted` takes the columns times the weights. */
+static void normal_equations(const struct quad_problem *p, const quad *column, int moved, quad *weighted,
+                             struct normal *m)
 {
     size_t n = p->count, row;
     int i, j;
@@ -178,17 +199,20 @@ static void normal_equations(const struct quad_problem *p, const quad *column, q
         const quad *u = column + (size_t)i * n;
         quad *w = weighted + (size_t)i * n;
 
-        for (row = 0; row < n; row++) {
+        for (row = 0; row < n && moved & (1 << i); row++) {
             w[row] = p->weight[row] * u[row];
         }
-        m->length[i] = sqrtq(dot(w, u, n));
+        m->length[i] = moved & (1 << i) ? sqrtq(dot(w, u, n)) : m->length[i];
         for (j = 0; j < i; j++) {
-            m->gram[i][j] = dot(w, column + (size_t)j * n, n) / (m->length[i] * m->length[j]);
-            m->gram[j][i] = m->gram[i][j];
+            if (moved & (1 << i | 1 << j)) {
+                m->gram[i][j] = m->gram[j][i] = dot(w, column + (size_t)j * n, n) / (m->length[i] * m->length[j]);
+            }
         }
         m->gram[i][i] = 1;
     }
-    memset(m->state, 0, sizeof m->state);
+    if (moved) {
+        memset(m->state, 0, sizeof m->state);
+    }
 }
 
 static int usable(struct normal *m, int support)
@@ -246,25 +270,34 @@ static int optimal(const struct normal *m, int support, const quad *t, const qua
     return 1;
 }
 
-static quad channel_l2(const struct quad_problem *p, struct normal *m, const quad *column, const quad *weighted,
-                       size_t k, quad *z)
+/* Take a support that gains more than *best; whether it is the optimum. */
+static int try_support(struct normal *m, int support, const quad *t, quad *best, quad *z)
 {
+    quad trial[QUAD_COLUMNS], gain = usable(m, support) ? solve_support(m, support, t, trial) : -1;
+
+    if (!(gain > *best)) {
+        return 0;
+    }
+    *best = gain;
+    memcpy(z, trial, sizeof trial);
+    return optimal(m, support, t, trial);
+}
+
+static quad channel_l2(const struct quad_problem *p, const quad *column, const quad *weighted, size_t k, quad *z)
+{
+    struct normal *m = &p->work->normal;
     const quad *data = p->data + k * p->count;
-    quad t[QUAD_COLUMNS], trial[QUAD_COLUMNS], best = 0;
-    int j, support, done = 0;
+    quad t[QUAD_COLUMNS], best = 0;
+    int j, support = p->work->likely[k], done;
 
     for (j = 0; j < m->columns; j++) {
         t[j] = m->length[j] > 0 ? dot(data, weighted + (size_t)j * p->count, p->count) / m->length[j] : 0;
         z[j] = 0;
     }
+    done = support && try_support(m, support, t, &best, z);
     for (support = (1 << m->columns) - 1; support > 0 && !done; support--) {
-        quad gain = usable(m, support) ? solve_support(m, support, t, trial) : -1;
-
-        if (gain > best) {
-            best = gain;
-            memcpy(z, trial, sizeof trial);
-            done = optimal(m, support, t, trial);
-        }
+        done = try_support(m, support, t, &best, z);
+        p->work->likely[k] = support;
     }
     for (j = 0; j < m->columns; j++) {
         z[j] = z[j] > 0 ? z[j] / m->length[j] : 0;
@@ -285,19 +318,40 @@ static int finite_model(const struct quad_problem *p, const quad *factor, size_t
     return fine;
 }
 
+/* Columns at s, as bits those that are not what they were. */
+static int move_columns(const struct quad_problem *p, const quad *s)
+{
+    struct quad_work *work = p->work;
+    int j, moved = (1 << p->columns) - 1;
+
+    if (!work->known) {
+        quad_columns(p, s, p->column);
+    }
+    for (j = 0; j < p->lobes && work->known; j++) {
+        if (s[j] == work->s[j]) {
+            moved &= ~(((1 << p->each) - 1) << (p->fixed + j * p->each));
+        } else {
+            lobe_columns(p, j, s[j], p->column);
+        }
+    }
+    moved &= work->known ? ~((1 << p->fixed) - 1) : ~0;
+    memcpy(work->s, s, (size_t)p->lobes * sizeof *s);
+    work->known = 1;
+    return moved;
+}
+
 quad quad_at(const struct quad_problem *p, const quad *s)
 {
     quad sum = 0, z[QUAD_COLUMNS], factor[QUAD_LOBES], *weighted = p->column + QUAD_COLUMNS * p->count;
-    struct normal m;
+    int moved = move_columns(p, s);
     size_t k;
 
-    quad_columns(p, s, p->column);
     factors(p, s, factor);
     if (p->norm == BRDFFIT_NORM_L2) {
-        normal_equations(p, p->column, weighted, &m);
+        normal_equations(p, p->column, moved, weighted, &p->work->normal);
     }
     for (k = 0; k < p->channels; k++) {
-        quad part = p->norm == BRDFFIT_NORM_L2   ? channel_l2(p, &m, p->column, weighted, k, z)
+        quad part = p->norm == BRDFFIT_NORM_L2   ? channel_l2(p, p->column, weighted, k, z)
                     : p->norm == BRDFFIT_NORM_L1 ? quad_channel_l1(p, p->column, k, z)
                                                  : quad_channel_linf(p, p->column, k, z);
 

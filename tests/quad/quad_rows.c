@@ -191,7 +191,9 @@ static int allocate(struct quad_problem *p, size_t n)
     quad *next = p->block = calloc(numbers ? numbers : 1, sizeof *p->block);
     int j;
 
-    if (!next) {
+    p->work = quad_work_new(p->channels);
+    if (!next || !p->work) {
+        quad_problem_free(p);
         return 1;
     }
     for (j = 0; j < QUAD_FIXED; j++, next += n) {
@@ -291,6 +293,7 @@ int quad_problem_new(struct quad_problem *p, const brdffit_samples *s, const brd
 void quad_problem_free(struct quad_problem *p)
 {
     free(p->block);
+    free(p->work);
     memset(p, 0, sizeof *p);
 }
 

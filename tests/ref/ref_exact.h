@@ -3,7 +3,8 @@
  *
  * Every support (subset of the columns) is orthonormalised, the data are projected, and the residual vector is
  * squared and summed. The smallest residual whose coefficients are all >= 0 is the optimum: the optimum of a
- * convex problem with z >= 0 is the unconstrained optimum of its own support. SPDX-License-Identifier: MIT
+ * convex problem with z >= 0 is the unconstrained optimum of its own support. Subsets of a support whose coefficients
+ * are >= 0 have a larger residual and are not tried. SPDX-License-Identifier: MIT
  */
 #ifndef BRDFFIT_REF_EXACT_H
 #define BRDFFIT_REF_EXACT_H
@@ -98,10 +99,45 @@ static inline long double ref_project(const struct ref_support *support, const l
     return ref_dot(residual, residual, count);
 }
 
+/* The best of a channel, and as bits the supports that cannot be better: subsets of one whose coefficients are >= 0. */
+struct ref_best {
+    long double e2;
+    unsigned covered;
+};
+
 /* Room that ref_exact() needs, in long doubles. */
 static inline size_t ref_exact_room(const struct ref_rows *rows)
 {
-    return (REF_COLUMNS + 1) * rows->count + rows->channels;
+    return (REF_COLUMNS + 1) * rows->count + 2 * rows->channels;
+}
+
+/* Columns of a mask; 0 when no channel needs them, or they are dependent. */
+static inline int ref_choose(const struct ref_rows *rows, const long double *const *column, int columns, int mask,
+                             const struct ref_best *best, struct ref_support *support)
+{
+    size_t k;
+    int j;
+
+    for (k = 0; k < rows->channels && best[k].covered >> mask & 1; k++) {
+    }
+    for (support->size = 0, j = 0; j < columns; j++) {
+        if (mask >> j & 1) {
+            support->column[support->size++] = j;
+        }
+    }
+    return k < rows->channels && ref_orthonormalise(column, support);
+}
+
+/* Take e2 >= 0 of a mask where it is less than what there is; whether it was. */
+static inline int ref_take(struct ref_best *best, int mask, long double e2)
+{
+    int part, better = e2 < best->e2;
+
+    for (part = mask; part > 0; part = (part - 1) & mask) {
+        best->covered |= 1u << part;
+    }
+    best->e2 = better ? e2 : best->e2;
+    return better;
 }
 
 /*
@@ -111,32 +147,32 @@ static inline long double ref_exact(const struct ref_rows *rows, const long doub
                                     long double *room, long double *coefficients)
 {
     struct ref_support support = {0, {0}, rows->count, room, {{0.0L}}};
-    long double *residual = room + REF_COLUMNS * rows->count, *best = residual + rows->count, total = 0.0L;
+    long double *residual = room + REF_COLUMNS * rows->count, total = 0.0L;
+    struct ref_best *best = (struct ref_best *)(void *)(residual + rows->count);
     size_t k;
     int mask, j;
 
     for (k = 0; k < rows->channels; k++) {
-        best[k] = ref_dot(rows->data + k * rows->count, rows->data + k * rows->count, rows->count);
+        best[k].e2 = ref_dot(rows->data + k * rows->count, rows->data + k * rows->count, rows->count);
+        best[k].covered = 0;
         for (j = 0; coefficients && j < columns; j++) {
             coefficients[k * (size_t)columns + (size_t)j] = 0.0L;
         }
     }
-    for (mask = 1; mask < 1 << columns; mask++) {
-        for (support.size = 0, j = 0; j < columns; j++) {
-            if (mask >> j & 1) {
-                support.column[support.size++] = j;
-            }
-        }
-        if (!ref_orthonormalise(column, &support)) {
+    for (mask = (1 << columns) - 1; mask > 0; mask--) { /* a set before its subsets */
+        if (!ref_choose(rows, column, columns, mask, best, &support)) {
             continue;
         }
         for (k = 0; k < rows->channels; k++) {
-            long double z[REF_COLUMNS], e2 = ref_project(&support, rows->data + k * rows->count, z, residual);
+            long double z[REF_COLUMNS], e2;
 
-            if (!(e2 >= 0.0L && e2 < best[k])) {
+            if (best[k].covered >> mask & 1) {
                 continue;
             }
-            best[k] = e2;
+            e2 = ref_project(&support, rows->data + k * rows->count, z, residual);
+            if (!(e2 >= 0.0L && ref_take(&best[k], mask, e2))) {
+                continue;
+            }
             for (j = 0; coefficients && j < columns; j++) {
                 coefficients[k * (size_t)columns + (size_t)j] = 0.0L;
             }
@@ -146,7 +182,7 @@ static inline long double ref_exact(const struct ref_rows *rows, const long doub
         }
     }
     for (k = 0; k < rows->channels; k++) {
-        total += best[k];
+        total += best[k].e2;
     }
     return total;
 }
