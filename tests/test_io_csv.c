@@ -22,7 +22,7 @@ static void test_angles(void **state)
     const brdffit_samples *s = table->samples;
 
     (void)state;
-    assert_int_equal(s->struct_size, sizeof *s);
+    assert_in_range(s->struct_size, offsetof(brdffit_samples, weights) + sizeof s->weights, sizeof *s);
     assert_int_equal(s->form, BRDFFIT_FORM_DIRECTIONS);
     assert_int_equal(s->quantity, BRDFFIT_QUANTITY_BRDF);
     assert_int_equal(s->count, 2);

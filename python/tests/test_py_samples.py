@@ -73,7 +73,8 @@ def test_angles_that_do_not_belong_together():
 
 def test_notes_and_reading(tmp_path):
     path = tmp_path / "paint.csv"
-    path.write_text("alpha;Viewing zenith;value;note\n" + "".join("%d;%d;%s;a\n" % (t, t + 5, "0,%d" % (30 - t)) for t in range(20)))
+    path.write_text("alpha;Viewing zenith;value;note\n" + "".join(
+        "%d;%d;%s;a\n" % (t, t + 5, "0,%d" % (30 - t)) for t in range(20)))
     with pytest.raises(brdffit.DataError, match="theta_i"):
         brdffit.Samples.from_csv(path)
     samples = brdffit.Samples.from_csv(path, columns={"theta_i": "alpha"}, missing=0.12, saturated=0.3)

@@ -131,6 +131,7 @@ static void note_writing(const struct csv_reader *r)
         brdffit_io_table_note(r->table, 0, "numbers are written with a decimal comma");
     }
     note_count(r->table, r->missing, "%zu row%s without a value (NA, NaN or the like) left out");
+    note_count(r->table, r->azimuths, "%zu azimuth%s without a value at a polar angle of 0, where it means nothing");
     note_count(r->table, r->writing.degrees, "%zu number%s with a degree sign");
     note_count(r->table, r->writing.percents, "%zu number%s with a percent sign taken as hundredths");
     note_count(r->table, r->longer, "%zu line%s with empty fields beyond the header's");

@@ -21,6 +21,7 @@ struct csv_reader {
     struct io_field unclear_text;
     size_t missing;     /* samples without a value that is a word or options.missing, not an empty field */
     size_t longer;      /* lines with empty fields at their end that the header has not */
+    size_t azimuths;    /* missing at the normal */
     size_t headers;     /* repeated */
     size_t polar_signed, polar_broken; /* polar angles below 0; that are no whole degrees */
     size_t light_at_right, near_normal; /* of 90 degrees; of less than 1, both sides */

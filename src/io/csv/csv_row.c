@@ -165,6 +165,7 @@ static void settle_azimuth(struct row *row)
         if (layout->column[pairs[i].azimuth] == row->role_missing &&
             (row->value[pairs[i].polar] == 0.0 || row->value[pairs[i].other] == 0.0)) {
             row->role_missing = BRDFFIT_NONE;
+            row->reader->azimuths++;
             return;
         }
     }
