@@ -121,6 +121,12 @@ static brdffit_status text_check(const brdffit_io_options *o, brdffit_error *err
     return BRDFFIT_OK;
 }
 
+int brdffit_io_wants_text(const brdffit_io_options *o)
+{
+    return o->values != BRDFFIT_IO_VALUES_PLAIN || o->channels || o->columns ||
+           o->missing != BRDFFIT_IO_MISSING_MARKED || o->directions_as || o->saturated > 0.0;
+}
+
 brdffit_status brdffit_io_options_check(const brdffit_io_options *given, brdffit_io_options *out, brdffit_error *error)
 {
     brdffit_io_options_init(out);
