@@ -122,7 +122,7 @@ typedef struct brdffit_table {
     brdffit_io_merl_bins merl_bins;
     brdffit_io_merl_sampling merl_sampling;
     brdffit_sums *sums; /* by brdffit_io_read_sums(), or NULL */
-    const brdffit_io_note *notes; /* what was inferred from a text, and what looks wrong in it */
+    const brdffit_io_note *const *notes; /* what was inferred from a text, and what looks wrong in it */
     size_t note_count;
 } brdffit_table;
 

@@ -104,43 +104,41 @@ void brdffit_io_table_publish(struct io_table *table)
     samples->values = table->array[IO_VALUES];
 }
 
-/* Room for one more note and its text; NULL: no memory. */
-static char *note_room(struct io_table *table, size_t size)
+/* Room for one more note with `size` bytes of text behind it; NULL: no memory. */
+static brdffit_io_note *new_note(struct io_table *table, size_t size)
 {
-    brdffit_io_note *more = brdffit_io_resize(table->notes, table->open.note_count + 1, sizeof *table->notes);
-    char *text;
+    brdffit_io_note **more = brdffit_io_resize(table->notes, table->open.note_count + 1, sizeof(brdffit_io_note *));
+    brdffit_io_note *note = more ? brdffit_io_alloc(sizeof *note + size, 1) : NULL;
 
-    if (!more) {
-        return NULL;
+    if (more) {
+        table->notes = more;
+        table->open.notes = (const brdffit_io_note *const *)more;
     }
-    table->notes = more;
-    table->open.notes = more;
-    text = brdffit_io_alloc(size, 1);
-    if (text) {
-        more[table->open.note_count].text = text;
-        more[table->open.note_count++].warning = 0;
+    if (note) {
+        note->text = (char *)(note + 1);
+        table->notes[table->open.note_count++] = note;
     }
-    return text;
+    return note;
 }
 
 void brdffit_io_table_note(struct io_table *table, int warning, const char *format, ...)
 {
     va_list arguments;
-    char *text;
+    brdffit_io_note *note;
     int length;
 
     va_start(arguments, format);
     length = vsnprintf(NULL, 0, format, arguments);
     va_end(arguments);
-    text = length < 0 ? NULL : note_room(table, (size_t)length + 1);
-    if (!text) {
+    note = length < 0 ? NULL : new_note(table, (size_t)length + 1);
+    if (!note) {
         table->notes_failed = 1;
         return;
     }
     va_start(arguments, format);
-    (void)vsnprintf(text, (size_t)length + 1, format, arguments);
+    (void)vsnprintf((char *)(note + 1), (size_t)length + 1, format, arguments);
     va_end(arguments);
-    table->notes[table->open.note_count - 1].warning = (size_t)warning;
+    note->warning = (size_t)warning;
 }
 
 static void free_notes(struct io_table *table)
@@ -148,7 +146,7 @@ static void free_notes(struct io_table *table)
     size_t i;
 
     for (i = 0; i < table->open.note_count; i++) {
-        brdffit_io_release((void *)(uintptr_t)table->notes[i].text);
+        brdffit_io_release(table->notes[i]);
     }
     brdffit_io_release(table->notes);
 }

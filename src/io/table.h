@@ -34,7 +34,7 @@ struct io_table {
     int with_lines;
     size_t capacity; /* in samples */
 
-    brdffit_io_note *notes; /* of open.notes, texts owned */
+    brdffit_io_note **notes; /* of open.notes, each a block with its text */
     int notes_failed;       /* memory for one ran out: the reading fails */
 
     void *sums_memory; /* of open.sums; then the file stays, mapped or read, until samples are asked for */

@@ -133,8 +133,8 @@ static void json_list(struct cli_json *json, const char *key, const brdffit_tabl
 {
     brdffit_cli_json_open(json, key, '[');
     for (size_t i = 0; i < table->note_count; i++) {
-        if ((table->notes[i].warning != 0) == warnings) {
-            brdffit_cli_json_string(json, NULL, table->notes[i].text);
+        if ((table->notes[i]->warning != 0) == warnings) {
+            brdffit_cli_json_string(json, NULL, table->notes[i]->text);
         }
     }
     brdffit_cli_json_close(json, ']');
@@ -150,14 +150,14 @@ void brdffit_cli_say_notes(const char *path, const brdffit_table *table, int war
 {
     const struct cli_style style = brdffit_cli_style(stderr);
     for (size_t i = 0; i < table->note_count; i++) {
-        if (table->notes[i].warning && !warnings) {
+        if (table->notes[i]->warning && !warnings) {
             continue;
         }
         struct cli_text text = {0};
         brdffit_cli_text_puts(&text, "brdffit: ");
         brdffit_cli_name(&text, style, strcmp(path, "-") == 0 ? "standard input" : path);
-        brdffit_cli_text_puts(&text, table->notes[i].warning ? ": warning: " : ": ");
-        brdffit_cli_name(&text, style, table->notes[i].text);
+        brdffit_cli_text_puts(&text, table->notes[i]->warning ? ": warning: " : ": ");
+        brdffit_cli_name(&text, style, table->notes[i]->text);
         fprintf(stderr, "%s\n", brdffit_cli_text_string(&text));
         brdffit_cli_text_free(&text);
     }
@@ -166,13 +166,13 @@ void brdffit_cli_say_notes(const char *path, const brdffit_table *table, int war
 void brdffit_cli_note_paragraphs(struct cli_text *text, struct cli_style style, const brdffit_table *table, int notes)
 {
     for (size_t i = 0; i < table->note_count; i++) {
-        const int warning = table->notes[i].warning != 0;
+        const int warning = table->notes[i]->warning != 0;
         if (!warning && !notes) {
             continue;
         }
         struct cli_text words = {0};
         brdffit_cli_text_puts(&words, warning ? "data: " : "");
-        brdffit_cli_name(&words, style, table->notes[i].text);
+        brdffit_cli_name(&words, style, table->notes[i]->text);
         brdffit_cli_text_puts(&words, words.size > 0 && words.data[words.size - 1] == '?' ? "" : ".");
         brdffit_cli_paragraph(text, style, warning ? CLI_YELLOW : CLI_BOLD,
                               warning ? "Warning," : "Read:", brdffit_cli_text_string(&words));

@@ -381,7 +381,7 @@ class Table(ctypes.Structure):
         ("merl_bins", c_int),
         ("merl_sampling", c_int),
         ("sums", c_void_p),
-        ("notes", POINTER(Note)),
+        ("notes", POINTER(POINTER(Note))),
         ("note_count", c_size_t),
     ]
 

@@ -100,8 +100,8 @@ def _missing(missing: float | str) -> tuple[int, float]:
 
 
 def _notes(table: structs.Table, warning: bool) -> tuple[str, ...]:
-    return tuple(table.notes[i].text.decode("utf-8", "replace") for i in range(table.note_count)
-                 if bool(table.notes[i].warning) == warning)
+    return tuple(table.notes[i].contents.text.decode("utf-8", "replace") for i in range(table.note_count)
+                 if bool(table.notes[i].contents.warning) == warning)
 
 
 def _word(words: Sequence[str], at: int) -> str:
