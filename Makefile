@@ -66,7 +66,7 @@ program = $(patsubst %,$(BUILD)/%,$(basename $(notdir $(1))))
 
 # One folder a layer (src/README.md); src/io is a library of its own.
 IO_SOURCES := $(sort $(wildcard src/io/*.c src/io/*/*.c))
-CORE := $(call object,$(filter-out $(IO_SOURCES),$(sort $(wildcard src/*/*.c src/*/*/*.c))))
+CORE := $(call object,$(filter-out $(IO_SOURCES) $(if $(filter 0,$(ECOS)),src/solve/conic/ecos_memory.c),$(sort $(wildcard src/*/*.c src/*/*/*.c))))
 # With its own copy of the one file that it shares with the core: libbrdffit.so exports what its header declares only.
 IO := $(call object,$(IO_SOURCES) src/base/environment.c)
 CLI := $(call object,$(sort $(wildcard tools/brdffit/*.c)))
@@ -75,7 +75,9 @@ EXAMPLES := $(sort $(wildcard examples/*.c))
 BENCH := $(sort $(wildcard tools/bench/bench_*.c))
 TESTS := $(sort $(wildcard tests/test_*.c))
 REFERENCES := $(sort $(wildcard tests/ref/*.c))
-FUZZ := $(sort $(wildcard tests/fuzz/*.c))
+FUZZ := $(sort $(wildcard tests/fuzz/fuzz_*.c))
+# What injects faults (tests/faults/campaign.py); ptrace(2) and LD_PRELOAD are Linux's.
+FAULTS := $(if $(filter Linux,$(shell uname -s)),$(BUILD)/tests/faults/inject $(BUILD)/tests/faults/fail_alloc.so)
 # The judge in quad precision needs a compiler with libquadmath (GCC, where double is not all that there is). Without one,
 # neither the campaign is built nor the tests that include it.
 QUADMATH := $(shell printf '\043include <quadmath.h>\n__float128 x;\n' | $(CC) -x c -c -o /dev/null - 2> /dev/null && echo -lquadmath)
@@ -117,7 +119,7 @@ programs: $(TOOLS) $(BENCH_PROGRAMS)
 
 examples: $(EXAMPLE_PROGRAMS)
 
-test-programs: $(TEST_PROGRAMS) $(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS) $(CAMPAIGN)
+test-programs: $(TEST_PROGRAMS) $(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS) $(CAMPAIGN) $(FAULTS)
 
 help:
 	@echo 'make             libraries and programs, in $(BUILD)/'
@@ -126,6 +128,8 @@ help:
 	@echo 'make check       install what is missing, build, run every test (sanitizers included)'
 	@echo 'make check-fast  what of it takes less than a minute, from a tree that is built: after each change'
 	@echo 'make check-c check-scripts check-asan check-python check-docs   its parts'
+	@echo 'make fuzz SECONDS=60  every fuzz target for that long (libFuzzer where CC is Clang, else our own driver)'
+	@echo 'make faults      allocations, disks, deaths and files that fail, at every place (LONG=1: hours)'
 	@echo 'make venv        the environment of the Python tests, of clang-format and of ruff, in $(VENV)'
 	@echo 'make check-package  the Python package: wheel, sdist, editable, ECOS=0, removal, in fresh environments'
 	@echo 'make deps        only install what is missing (Debian; elsewhere: say what is missing)'
@@ -209,10 +213,13 @@ $(ECOS_READY):
 	@exit 1
 endif
 
+# It does not check its mallocs: src/solve/conic/ecos_memory.c.
+ECOS_MEMORY := -Dmalloc=brdffit_ecos_malloc -Dcalloc=brdffit_ecos_calloc -Dfree=brdffit_ecos_free
+
 # Not ours: warnings off. No LTO, because the objects are linked into one before the archive is made.
 $(OBJ)/ecos/%.o: $(OBJ)/compile.flags $(ASKING_OBJ)/ecos.flags | $(ECOS_READY)
 	@mkdir -p $(@D)
-	$(call say,CC,$@)$(CC) $(CPPFLAGS) $(ECOS_FLAGS) $(CFLAGS) -std=gnu11 $(filter-out -std=c11,$(REQUIRED)) -fno-lto -w \
+	$(call say,CC,$@)$(CC) $(CPPFLAGS) $(ECOS_FLAGS) $(ECOS_MEMORY) $(CFLAGS) -std=gnu11 $(filter-out -std=c11,$(REQUIRED)) -fno-lto -w \
 	    -c $(ECOS_ROOT)/$*.c -o $@
 endif
 
@@ -338,9 +345,23 @@ $(filter-out $(ASKING_PROGRAMS),$(TEST_PROGRAMS)): $(BUILD)/tests/%: $(OBJ)/test
 $(ASKING_PROGRAMS): $(BUILD)/tests/%: $(ASKING_OBJ)/tests/%.o
 	$(link_test)
 
-$(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS): $(BUILD)/tests/%: $(OBJ)/tests/%.o $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
+$(REFERENCE_PROGRAMS): $(BUILD)/tests/%: $(OBJ)/tests/%.o $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)$(LINK) -o $@ $< $(STATIC_IO) $(STATIC) -lz -lm
+
+# Fuzz targets, with the parsers of the command line. FUZZER: what links a fuzzer's main().
+CLI_PARTS := $(filter-out %/main.o,$(CLI))
+$(FUZZ_PROGRAMS): $(BUILD)/tests/%: $(OBJ)/tests/%.o $(CLI_PARTS) $(STATIC_IO) $(STATIC) $(BUILD)/link.flags
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)$(LINK) $(FUZZER) -o $@ $< $(CLI_PARTS) $(STATIC_IO) $(STATIC) -lcjson -lpng -lz -lm -pthread
+
+$(BUILD)/tests/faults/inject: $(OBJ)/tests/faults/inject.o $(BUILD)/link.flags
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)$(LINK) -o $@ $<
+
+$(BUILD)/tests/faults/fail_alloc.so: $(OBJ)/tests/faults/fail_alloc.o $(BUILD)/link.flags
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)$(CC) -shared -o $@ $< -ldl
 
 # The quad tests stand on the judge in quad precision too.
 $(QUAD_TESTS:tests/%.c=$(BUILD)/tests/%): TEST_SUPPORT += $(QUAD) $(QUADMATH)
@@ -512,7 +533,7 @@ distclean:
 	rm -rf $(BUILD) python/src/brdffit/_lib
 
 # In this order. The Python package's sdist has none of them: it builds the library only.
-include $(wildcard tools/bench/peers.mk) $(wildcard tools/bench/bench.mk) $(wildcard tools/stress/stress.mk)
+include $(wildcard tools/bench/peers.mk) $(wildcard tools/bench/bench.mk) $(wildcard tools/stress/stress.mk) $(wildcard tests/fuzz/fuzz.mk) $(wildcard tests/faults/faults.mk)
 
 -include $(wildcard $(foreach tree,$(sort $(OBJ) $(ASKING_OBJ)),$(tree)/src/*/*.d $(tree)/src/*/*/*.d $(tree)/tests/*.d $(tree)/tests/*/*.d))
 -include $(wildcard $(OBJ)/tools/*/*.d $(OBJ)/examples/*.d)

@@ -157,7 +157,7 @@ typedef struct brdffit_samples {
                               normals that are not +z anisotropic lobes need it */
 } brdffit_samples;
 
-#define brdffit_samples_init(samples) brdffit_samples_init_sized((samples), sizeof *(samples))
+#define brdffit_samples_init(samples) brdffit_samples_init_sized((samples), sizeof(brdffit_samples))
 BRDFFIT_API void brdffit_samples_init_sized(brdffit_samples *samples, size_t struct_size);
 
 /* ---- Weights of samples ------------------------------------------------ */
@@ -445,7 +445,7 @@ typedef struct brdffit_options {
 } brdffit_options;
 
 /* Set struct_size and every default. NULL is fine: nothing happens. */
-#define brdffit_options_init(options) brdffit_options_init_sized((options), sizeof *(options))
+#define brdffit_options_init(options) brdffit_options_init_sized((options), sizeof(brdffit_options))
 BRDFFIT_API void brdffit_options_init_sized(brdffit_options *options, size_t struct_size);
 
 /* ---- Model and result ------------------------------------------------- */
@@ -477,7 +477,7 @@ typedef struct brdffit_model {
 } brdffit_model;
 
 /* Set struct_size, one lobe, and zero or NULL elsewhere. NULL is fine: nothing happens. */
-#define brdffit_model_init(model) brdffit_model_init_sized((model), sizeof *(model))
+#define brdffit_model_init(model) brdffit_model_init_sized((model), sizeof(brdffit_model))
 BRDFFIT_API void brdffit_model_init_sized(brdffit_model *model, size_t struct_size);
 
 /* Bits of brdffit_lobe.warnings. */
@@ -499,7 +499,7 @@ typedef struct brdffit_lobe {
     double sigma_floor; /* what is proven is proven for this lobe's sigma from here to sigma_max, n from exponent_min
                                  to 1 / sigma_floor^2, ends included: see brdffit_result.sigma_floor, the largest. Of an
                                  anisotropic lobe that is said of both its roughnesses; narrower ones, of whose peak no sample
-                                 sees 1e-7, are not searched */
+                                 but in the mirror direction sees 1e-7, are not searched */
     double sigma_x; /* along and across the tangent of an anisotropic lobe: sigma = sqrt(sigma_x sigma_y). */
     double sigma_y; /* Of others sigma. Near the optimum, sigma_low and sigma_high go with their ratio */
     double tangent_angle; /* degrees that sigma_x's direction is turned from the samples' tangent; 0 of others */
@@ -755,7 +755,7 @@ typedef struct brdffit_texels {
 } brdffit_texels;
 
 /* As said above; zero strides when `plan` is NULL. NULL for `texels` is fine: nothing happens. */
-#define brdffit_texels_init(texels, plan) brdffit_texels_init_sized((texels), sizeof *(texels), (plan))
+#define brdffit_texels_init(texels, plan) brdffit_texels_init_sized((texels), sizeof(brdffit_texels), (plan))
 BRDFFIT_API void brdffit_texels_init_sized(brdffit_texels *texels, size_t struct_size, const brdffit_plan *plan);
 
 /* What became of a texel. */
@@ -797,7 +797,7 @@ typedef struct brdffit_texel_results {
 } brdffit_texel_results;
 
 /* Zero: every array NULL. NULL is fine: nothing happens. */
-#define brdffit_texel_results_init(results) brdffit_texel_results_init_sized((results), sizeof *(results))
+#define brdffit_texel_results_init(results) brdffit_texel_results_init_sized((results), sizeof(brdffit_texel_results))
 BRDFFIT_API void brdffit_texel_results_init_sized(brdffit_texel_results *results, size_t struct_size);
 
 /*
@@ -882,7 +882,7 @@ typedef struct brdffit_row {
 } brdffit_row;
 
 /* Set struct_size, and zero elsewhere. NULL is fine: nothing happens. */
-#define brdffit_row_init(row) brdffit_row_init_sized((row), sizeof *(row))
+#define brdffit_row_init(row) brdffit_row_init_sized((row), sizeof(brdffit_row))
 BRDFFIT_API void brdffit_row_init_sized(brdffit_row *row, size_t struct_size);
 
 /* What became of the cells of a row. There will be no more of these. */
@@ -995,7 +995,7 @@ typedef struct brdffit_many_stats {
 } brdffit_many_stats;
 
 /* Zero. NULL is fine: nothing happens. */
-#define brdffit_many_stats_init(stats) brdffit_many_stats_init_sized((stats), sizeof *(stats))
+#define brdffit_many_stats_init(stats) brdffit_many_stats_init_sized((stats), sizeof(brdffit_many_stats))
 BRDFFIT_API void brdffit_many_stats_init_sized(brdffit_many_stats *stats, size_t struct_size);
 
 /* ---- How sure: intervals of every parameter ---------------------------- */
@@ -1013,7 +1013,8 @@ typedef struct brdffit_interval_options {
 } brdffit_interval_options;
 
 /* Zero but for struct_size. NULL is fine: nothing happens. */
-#define brdffit_interval_options_init(options) brdffit_interval_options_init_sized((options), sizeof *(options))
+#define brdffit_interval_options_init(options)                                                                         \
+    brdffit_interval_options_init_sized((options), sizeof(brdffit_interval_options))
 BRDFFIT_API void brdffit_interval_options_init_sized(brdffit_interval_options *options, size_t struct_size);
 
 /* Bits of brdffit_range.flags. */

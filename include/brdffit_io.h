@@ -79,6 +79,8 @@ typedef struct brdffit_io_options {
     int directions_only;         /* 1: a CSV needs no channel; its samples may then have none (channels 0,
                                     values NULL): places to evaluate at or to look up, nothing to fit */
     const brdffit_samples *directions; /* form DIRECTIONS, used with MERL_DIRECTIONS */
+    size_t max_bytes;            /* most that a file may have, and that a gzip stream may unpack to; 0: 8 GiB for
+                                    files, 1 GiB unpacked */
     const char *channels; /* CSV: names separated by commas: these columns are the channels, in the file's order, and
                                     what means nothing else is left out. NULL: see brdffit_io_read() */
     const char *columns; /* CSV: "role=name,role=name": what columns mean that are not understood, or wrongly. Roles:
@@ -96,7 +98,7 @@ typedef struct brdffit_io_options {
 } brdffit_io_options;
 
 /* Set struct_size and every default. NULL is fine: nothing happens. */
-#define brdffit_io_options_init(options) brdffit_io_options_init_sized((options), sizeof *(options))
+#define brdffit_io_options_init(options) brdffit_io_options_init_sized((options), sizeof(brdffit_io_options))
 BRDFFIT_API void brdffit_io_options_init_sized(brdffit_io_options *options, size_t struct_size);
 
 /* Something to know about how a file was read: a sentence in UTF-8, without the full stop. */

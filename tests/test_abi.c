@@ -44,14 +44,15 @@ static void test_init_writes_the_callers_size(void **state)
 static void test_init_of_nothing(void **state)
 {
     (void)state;
-    brdffit_samples_init((brdffit_samples *)NULL);
-    brdffit_options_init((brdffit_options *)NULL);
-    brdffit_model_init((brdffit_model *)NULL);
-    brdffit_row_init((brdffit_row *)NULL);
-    brdffit_texels_init((brdffit_texels *)NULL, NULL);
-    brdffit_texel_results_init((brdffit_texel_results *)NULL);
-    brdffit_many_stats_init((brdffit_many_stats *)NULL);
-    brdffit_io_options_init((brdffit_io_options *)NULL);
+    brdffit_samples_init(NULL);
+    brdffit_options_init(NULL);
+    brdffit_model_init(NULL);
+    brdffit_row_init(NULL);
+    brdffit_texels_init(NULL, NULL);
+    brdffit_texel_results_init(NULL);
+    brdffit_many_stats_init(NULL);
+    brdffit_io_options_init(NULL);
+    brdffit_interval_options_init(NULL);
     brdffit_result_free(NULL);
 }
 

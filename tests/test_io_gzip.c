@@ -3,6 +3,7 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #include "io/bytes/gzip.h"
+#include "io/unpack.h"
 #include "io_support.h"
 
 static const char text[] = "theta_i,theta_o,r\n0,0,1\n30,60,2\n";
@@ -186,11 +187,12 @@ static void test_bomb(void **state)
     (void)state;
     assert_non_null(zeros);
     gz = io_gzip(zeros, large, &size);
-    assert_int_equal(brdffit_io_gunzip(gz, size, large, &out, &error), BRDFFIT_OK);
+    assert_int_equal(brdffit_io_gunzip(gz, size, &(struct io_gzip_limit){large, "too much"}, &out, &error), BRDFFIT_OK);
     assert_int_equal(out.size, large);
     brdffit_io_bytes_free(&out);
-    assert_int_equal(brdffit_io_gunzip(gz, size, large - 1, &out, &error), BRDFFIT_ERR_FORMAT);
-    assert_non_null(strstr(error.message, "limit"));
+    assert_int_equal(brdffit_io_gunzip(gz, size, &(struct io_gzip_limit){large - 1, "too much"}, &out, &error),
+                     BRDFFIT_ERR_FORMAT);
+    assert_string_equal(error.message, "too much");
     assert_same(error.value, (double)(large - 1));
     assert_true(out.capacity <= large);
     brdffit_io_bytes_free(&out);
@@ -198,11 +200,76 @@ static void test_bomb(void **state)
     free(gz);
     gz = io_gzip(zeros, 10, &size);
     memset(gz + size - 4, 0x7f, 4); /* claims 2 GiB */
-    assert_int_equal(brdffit_io_gunzip(gz, size, large, &out, &error), BRDFFIT_ERR_READ);
+    assert_int_equal(brdffit_io_gunzip(gz, size, &(struct io_gzip_limit){large, "too much"}, &out, &error),
+                     BRDFFIT_ERR_READ);
     assert_true(out.capacity <= 65536);
     brdffit_io_bytes_free(&out);
     free(gz);
     free(zeros);
+}
+
+/* A table says how long it is: no more is unpacked, whatever the stream goes on to say. */
+static void test_promise(void **state)
+{
+    const size_t large = (size_t)64 << 20;
+    unsigned char *table = calloc(large, 1), *gz;
+    struct io_bytes out = {NULL, 0, 0};
+    brdffit_io_options options;
+    brdffit_error error;
+    size_t size;
+
+    (void)state;
+    assert_non_null(table);
+    table[0] = 90;
+    table[4] = 90;
+    table[8] = 18; /* 3,499,212 bytes */
+    gz = io_gzip(table, large, &size);
+    brdffit_io_options_init(&options);
+    assert_int_equal(brdffit_io_unpack(gz, size, &options, &out, &error), BRDFFIT_ERR_FORMAT);
+    assert_non_null(strstr(error.message, "longer than its header says"));
+    assert_same(error.value, 3499212.0);
+    assert_in_range(out.capacity, 1, 3499213);
+    brdffit_io_bytes_free(&out);
+    options.max_bytes = 1000000;
+    assert_int_equal(brdffit_io_unpack(gz, size, &options, &out, &error), BRDFFIT_ERR_FORMAT);
+    assert_non_null(strstr(error.message, "max_bytes"));
+    assert_in_range(out.capacity, 1, 1000001);
+    brdffit_io_bytes_free(&out);
+    free(gz);
+    free(table);
+}
+
+/* A text does not: the options say how much is enough. */
+static void test_limit(void **state)
+{
+    static const char head[] = "theta_i,theta_o,r\n", row[] = "1,2,3\n";
+    const size_t rows = 100000;
+    char *lines = malloc(sizeof head + rows * sizeof row);
+    unsigned char *gz;
+    brdffit_table *table = NULL;
+    brdffit_io_options options;
+    brdffit_error error;
+    size_t size, i, length = sizeof head - 1;
+
+    (void)state;
+    assert_non_null(lines);
+    memcpy(lines, head, length);
+    for (i = 0; i < rows; i++, length += sizeof row - 1) {
+        memcpy(lines + length, row, sizeof row);
+    }
+    gz = io_gzip(lines, length, &size);
+    brdffit_io_options_init(&options);
+    options.max_bytes = length;
+    assert_int_equal(brdffit_io_read_memory(gz, size, &options, &table, &error), BRDFFIT_OK);
+    brdffit_io_free(table);
+    options.max_bytes = length - 1;
+    assert_int_equal(brdffit_io_read_memory(gz, size, &options, &table, &error), BRDFFIT_ERR_FORMAT);
+    assert_non_null(strstr(error.message, "max_bytes"));
+    options.max_bytes = size - 1;
+    assert_int_equal(brdffit_io_read_memory(gz, size, &options, &table, &error), BRDFFIT_ERR_FORMAT);
+    assert_non_null(strstr(error.message, "max_bytes"));
+    free(gz);
+    free(lines);
 }
 
 int main(void)
@@ -210,7 +277,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip), cmocka_unit_test(test_truncated), cmocka_unit_test(test_short_table_inside),
         cmocka_unit_test(test_members),    cmocka_unit_test(test_damaged),   cmocka_unit_test(test_twice),
-        cmocka_unit_test(test_bomb),
+        cmocka_unit_test(test_bomb),       cmocka_unit_test(test_promise),   cmocka_unit_test(test_limit),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

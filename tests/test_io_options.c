@@ -40,7 +40,7 @@ static void test_ranges(void **state)
 
     (void)state;
     brdffit_io_options_init(&options);
-    options.struct_size = offsetof(brdffit_io_options, directions);
+    options.struct_size = offsetof(brdffit_io_options, directions); /* shorter than the first version's */
     refuse(&options, BRDFFIT_ERR_ARGUMENT, "struct_size");
     brdffit_io_options_init(&options);
     options.format = (brdffit_io_format)3;

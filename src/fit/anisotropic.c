@@ -13,10 +13,11 @@
 #include "fit/published.h"
 
 /*
- * The largest exponent of the sample that the lobe is brightest at, of exp(-E) and of (1 + E)^-2. Narrower lobes, of which no
- * sample sees 1e-7 of the peak, are fits to single samples, and the search would spend its time on which one; and no sum over
- * the lobe underflows.
+ * The largest exponent of the sample that is nearest to the mirror direction and not in it (tan^2 alpha up to MIRROR), of exp(-E)
+ * and of (1 + E)^-2. Narrower lobes, of whose peak no sample beside the mirror's sees 1e-7, are fits to single samples, and the
+ * search would spend its time on which one; and no sum over the lobe underflows.
  */
+#define MIRROR 1e-9
 #define EXPONENT_MOST 16.0
 #define TAIL_MOST 3162.0
 
@@ -39,6 +40,20 @@ static uint32_t first_of(const struct fit *f, const brdffit_options *o)
     return first;
 }
 
+/* The least c of the lobe's samples that are not in the mirror direction; 0 when all are. */
+static double least_off_mirror(const struct table *t, size_t groups)
+{
+    double least = INFINITY;
+    size_t j;
+
+    for (j = 0; j < groups; j++) {
+        double c = t->c[j] + t->c_min;
+
+        least = t->bb[j] > 0.0 && c > MIRROR && c < least ? c : least;
+    }
+    return isfinite(least) ? least : 0.0;
+}
+
 /* The domain of the two roughnesses: what the options ask, cut where no sample sees the lobe. */
 static void domain_of_shapes(struct fit *f)
 {
@@ -47,9 +62,8 @@ static void domain_of_shapes(struct fit *f)
     int c;
 
     for (c = 0; c < f->model.each; c++) {
-        const struct table *t = &f->data.table[f->model.geometry[model_kind_of(&f->model, c)]];
-
-        least = fmax(least, t->c_min + t->c_low);
+        least = fmax(
+            least, least_off_mirror(&f->data.table[f->model.geometry[model_kind_of(&f->model, c)]], f->data.distinct));
     }
     d.high = d.flat = d.tail;
     if (least > 0.0) {

@@ -7,13 +7,16 @@
 
 #include <stdint.h>
 
-/* Most bytes that a file may hold, and that a gzip stream may unpack to: 8 GiB. A MERL table of 90 x 90 x 180
- * has 35 MB; the limit only keeps a damaged or hostile .gz (at most 1032:1) from filling the machine. */
+/* Most bytes that a file may hold, and a deflated array unpack to: 8 GiB. A MERL table of 90 x 90 x 180 has 35 MB. */
 #if SIZE_MAX / 4 < 8589934592
 #define IO_LIMIT_BYTES (SIZE_MAX / 4)
 #else
 #define IO_LIMIT_BYTES ((size_t)8589934592)
 #endif
+
+/* Most bytes that a gzip stream unpacks to where the caller sets no limit (brdffit_io_options.max_bytes): a hostile one
+ * of 1 MB has up to 1032 times as many, and all of it would have to be in memory. Ten million lines of a table fit. */
+#define IO_LIMIT_UNPACKED ((size_t)1073741824)
 
 /* First buffer for input of unknown length, bytes. */
 #define IO_FIRST_BUFFER ((size_t)65536)

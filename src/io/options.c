@@ -7,6 +7,7 @@
 
 #include "base/intake.h"
 #include "io/fail.h"
+#include "io/limits.h"
 
 void brdffit_io_options_init_sized(brdffit_io_options *options, size_t struct_size)
 {
@@ -18,6 +19,16 @@ void brdffit_io_options_init_sized(brdffit_io_options *options, size_t struct_si
     };
 
     intake_init(options, struct_size, &defaults, sizeof defaults);
+}
+
+size_t brdffit_io_file_limit(const brdffit_io_options *options)
+{
+    return options->max_bytes > 0 && options->max_bytes < IO_LIMIT_BYTES ? options->max_bytes : IO_LIMIT_BYTES;
+}
+
+size_t brdffit_io_unpacked_limit(const brdffit_io_options *options)
+{
+    return options->max_bytes > 0 ? brdffit_io_file_limit(options) : IO_LIMIT_UNPACKED;
 }
 
 const char *brdffit_io_drop_string(brdffit_io_drop reason)

@@ -15,4 +15,8 @@ int brdffit_io_directions(const brdffit_io_options *options, brdffit_samples *ow
 /* 1 when something is asked for that only text tables can be read by. */
 int brdffit_io_wants_text(const brdffit_io_options *options);
 
+/* The limits that these options set, in bytes: of a file, and of what a gzip stream unpacks to. */
+size_t brdffit_io_file_limit(const brdffit_io_options *options);
+size_t brdffit_io_unpacked_limit(const brdffit_io_options *options);
+
 #endif

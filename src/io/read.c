@@ -9,11 +9,11 @@
 #include "base/environment.h"
 #include "io/fail.h"
 #include "io/bytes/gzip.h"
-#include "io/limits.h"
 #include "io/merl/merl.h"
 #include "io/options.h"
 #include "io/bytes/source.h"
 #include "io/table.h"
+#include "io/unpack.h"
 
 /* Unpacked content into a new table, in the default floating-point environment. */
 ENVIRONMENT_APART static brdffit_status parse_there(const unsigned char *data, size_t size,
@@ -79,7 +79,7 @@ static brdffit_status unpack_and_parse(const unsigned char *data, size_t size, s
     if (!brdffit_io_is_gzip(data, size)) {
         return brdffit_io_parse(data, size, options, out, error);
     }
-    status = brdffit_io_gunzip(data, size, IO_LIMIT_BYTES, &unpacked, error);
+    status = brdffit_io_unpack(data, size, options, &unpacked, error);
     if (owner) {
         brdffit_io_bytes_free(owner);
     }
@@ -109,7 +109,7 @@ brdffit_status brdffit_io_read(const char *path, const brdffit_io_options *optio
     *table = NULL;
     status = brdffit_io_options_check(options, &checked, error);
     if (status == BRDFFIT_OK) {
-        status = brdffit_io_source_read(path, IO_LIMIT_BYTES, &bytes, error);
+        status = brdffit_io_source_read(path, brdffit_io_file_limit(&checked), &bytes, error);
     }
     if (status == BRDFFIT_OK) {
         status = unpack_and_parse(bytes.data, bytes.size, &bytes, &checked, table, error);
@@ -131,10 +131,11 @@ brdffit_status brdffit_io_read_memory(const void *data, size_t size, const brdff
         return brdffit_io_fail(error, BRDFFIT_ERR_ARGUMENT, "reading from memory: data or table is NULL");
     }
     *table = NULL;
-    if (size > IO_LIMIT_BYTES) {
-        return brdffit_io_fail_value(error, BRDFFIT_ERR_FORMAT, "the data are larger than the limit in bytes",
-                                     (double)IO_LIMIT_BYTES);
-    }
     status = brdffit_io_options_check(options, &checked, error);
+    if (status == BRDFFIT_OK && size > brdffit_io_file_limit(&checked)) {
+        return brdffit_io_fail_value(error, BRDFFIT_ERR_FORMAT,
+                                     "the data are larger than the limit (max_bytes) in bytes",
+                                     (double)brdffit_io_file_limit(&checked));
+    }
     return status == BRDFFIT_OK ? unpack_and_parse(data, size, NULL, &checked, table, error) : status;
 }

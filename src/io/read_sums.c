@@ -8,12 +8,12 @@
 #include "base/intake.h"
 #include "io/fail.h"
 #include "io/bytes/gzip.h"
-#include "io/limits.h"
 #include "io/bytes/map.h"
 #include "io/merl/merl.h"
 #include "io/options.h"
 #include "io/bytes/source.h"
 #include "io/table.h"
+#include "io/unpack.h"
 
 static int is_merl(const unsigned char *data, size_t size)
 {
@@ -109,7 +109,7 @@ static brdffit_status sum_bytes(struct io_bytes *bytes, const unsigned char *dat
         brdffit_io_bytes_free(bytes);
         return status;
     }
-    status = brdffit_io_gunzip(data, size, IO_LIMIT_BYTES, &unpacked, error);
+    status = brdffit_io_unpack(data, size, io, &unpacked, error);
     brdffit_io_bytes_free(bytes);
     if (status == BRDFFIT_OK && is_merl(unpacked.data, unpacked.size)) {
         status = sum_content(&none, &unpacked, io, fit, out, error);
@@ -131,7 +131,7 @@ static brdffit_status read_content(const char *path, const brdffit_io_options *i
 {
     struct io_bytes bytes = {NULL, 0, 0};
     struct io_map none = {NULL, 0, 0};
-    brdffit_status status = brdffit_io_source_read(path, IO_LIMIT_BYTES, &bytes, error);
+    brdffit_status status = brdffit_io_source_read(path, brdffit_io_file_limit(io), &bytes, error);
 
     if (status != BRDFFIT_OK) {
         brdffit_io_bytes_free(&bytes);
@@ -155,7 +155,7 @@ ENVIRONMENT_APART static brdffit_status read_sums(const char *path, const brdffi
         return brdffit_io_read(path, options, table, error);
     }
     *table = NULL;
-    if (!brdffit_io_map(path, IO_LIMIT_BYTES, &map)) {
+    if (!brdffit_io_map(path, brdffit_io_file_limit(&checked), &map)) {
         return read_content(path, &checked, &known, table, error);
     }
     if (is_merl(map.data, map.size)) {
@@ -174,8 +174,8 @@ ENVIRONMENT_APART static brdffit_status read_sums_memory(const void *data, size_
     brdffit_io_options checked;
     brdffit_options known;
 
-    if (!table || !data || size > IO_LIMIT_BYTES || !take_fit(fit, &known) ||
-        brdffit_io_options_check(options, &checked, NULL) != BRDFFIT_OK || !wants_sums(&checked, &known)) {
+    if (!table || !data || !take_fit(fit, &known) || brdffit_io_options_check(options, &checked, NULL) != BRDFFIT_OK ||
+        size > brdffit_io_file_limit(&checked) || !wants_sums(&checked, &known)) {
         return brdffit_io_read_memory(data, size, options, table, error);
     }
     *table = NULL;

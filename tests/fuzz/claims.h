@@ -16,7 +16,8 @@
 
 static inline void claim_broken(const char *what, int line)
 {
-    fprintf(stderr, "claims.h:%d: broken: %s\n", line, what);
+    printf("broken, line %d: %s\n", line, what); /* standard error has the parsers' messages, and may be closed */
+    fflush(stdout);
     abort();
 }
 
@@ -107,7 +108,7 @@ static inline void claim_all(brdffit_status status, brdffit_table *table, const 
     }
     CLAIM(table);
     s = table->samples;
-    CLAIM(s->struct_size <= sizeof *s && s->count > 0 && s->channels > 0 && s->values);
+    CLAIM(s->struct_size > 0 && s->struct_size <= sizeof *s && s->count > 0 && s->channels > 0 && s->values);
     CLAIM(table->format == BRDFFIT_IO_FORMAT_CSV || table->format == BRDFFIT_IO_FORMAT_MERL);
     CLAIM((table->format == BRDFFIT_IO_FORMAT_CSV) == (table->lines != NULL));
     for (k = 0; k < s->channels; k++) {

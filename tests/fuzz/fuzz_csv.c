@@ -32,8 +32,6 @@ static const unsigned char gzipped[] = {
     0x3a, 0xc6, 0x5c, 0x00, 0x55, 0x3b, 0x0b, 0xbc, 0x18, 0x00, 0x00, 0x00,
 };
 
-#define SEED(text) {(const unsigned char *)(text), sizeof(text) - 1}
-
 static const struct fuzz_seed seeds[] = {
     SEED("theta_i,phi_i,theta_o,phi_o,r,g,b\n0,0,60,180,1,2,3\n60,90,30,-90,4,,6.5\n"),
     SEED("# comment\r\n\"theta_i_deg\";theta_o;w;\"I \"\"x\"\"\"\r\n10.5; 20 ;1e-3;-4\r\n\r\n"
@@ -51,10 +49,5 @@ static const struct fuzz_seed seeds[] = {
 };
 static const size_t seed_count = sizeof seeds / sizeof *seeds;
 
-#if !defined(BRDFFIT_FUZZ_IN_TEST)
-int main(int argc, char **argv)
-{
-    return standalone_main(argc, argv, seeds, seed_count);
-}
-#endif
+FUZZ_MAIN(seeds, seed_count)
 #endif

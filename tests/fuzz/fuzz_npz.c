@@ -119,10 +119,5 @@ static const struct fuzz_seed *make_seeds(void)
     return seeds;
 }
 
-#if !defined(BRDFFIT_FUZZ_IN_TEST)
-int main(int argc, char **argv)
-{
-    return standalone_main(argc, argv, make_seeds(), SEED_COUNT);
-}
-#endif
+FUZZ_MAIN(make_seeds(), SEED_COUNT)
 #endif

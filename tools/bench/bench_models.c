@@ -26,6 +26,7 @@ struct form {
     brdffit_diffuse diffuse;
     double gap;
     int base; /* row that it extends: cost is told beside that; its own: none */
+    int anisotropic;
 };
 
 #define PLAIN BRDFFIT_FRESNEL_NONE, BRDFFIT_MASKING_V_CAVITY, BRDFFIT_DIFFUSE_LAMBERT
@@ -33,21 +34,25 @@ struct form {
 #define SMITH BRDFFIT_FRESNEL_SCHLICK, BRDFFIT_MASKING_SMITH, BRDFFIT_DIFFUSE_LAMBERT
 
 static const struct form forms[] = {
-    {"1 Beckmann", 1, BRDFFIT_BECKMANN, PLAIN, 1e-3, 0},
-    {"2 Beckmann", 2, BRDFFIT_BECKMANN, PLAIN, 1e-3, 1},
-    {"3 Beckmann, gap 1e-2", 3, BRDFFIT_BECKMANN, PLAIN, 1e-2, 2},
-    {"1 GGX", 1, BRDFFIT_GGX, PLAIN, 1e-3, 3},
-    {"2 GGX", 2, BRDFFIT_GGX, PLAIN, 1e-3, 4},
-    {"1 Beckmann, Schlick", 1, BRDFFIT_BECKMANN, SCHLICK, 1e-3, 0},
-    {"2 Beckmann, Schlick", 2, BRDFFIT_BECKMANN, SCHLICK, 1e-3, 1},
-    {"1 GGX, Schlick", 1, BRDFFIT_GGX, SCHLICK, 1e-3, 3},
-    {"1 GGX, Smith, Schlick", 1, BRDFFIT_GGX, SMITH, 1e-3, 3},
-    {"2 GGX, Smith, Schlick", 2, BRDFFIT_GGX, SMITH, 1e-3, 4},
-    {"1 Beckmann, Smith, Schlick", 1, BRDFFIT_BECKMANN, SMITH, 1e-3, 0},
+    {"1 Beckmann", 1, BRDFFIT_BECKMANN, PLAIN, 1e-3, 0, 0},
+    {"2 Beckmann", 2, BRDFFIT_BECKMANN, PLAIN, 1e-3, 1, 0},
+    {"3 Beckmann, gap 1e-2", 3, BRDFFIT_BECKMANN, PLAIN, 1e-2, 2, 0},
+    {"1 GGX", 1, BRDFFIT_GGX, PLAIN, 1e-3, 3, 0},
+    {"2 GGX", 2, BRDFFIT_GGX, PLAIN, 1e-3, 4, 0},
+    {"1 Beckmann, Schlick", 1, BRDFFIT_BECKMANN, SCHLICK, 1e-3, 0, 0},
+    {"2 Beckmann, Schlick", 2, BRDFFIT_BECKMANN, SCHLICK, 1e-3, 1, 0},
+    {"1 GGX, Schlick", 1, BRDFFIT_GGX, SCHLICK, 1e-3, 3, 0},
+    {"1 GGX, Smith, Schlick", 1, BRDFFIT_GGX, SMITH, 1e-3, 3, 0},
+    {"2 GGX, Smith, Schlick", 2, BRDFFIT_GGX, SMITH, 1e-3, 4, 0},
+    {"1 Beckmann, Smith, Schlick", 1, BRDFFIT_BECKMANN, SMITH, 1e-3, 0, 0},
     {"1 Beckmann, Oren-Nayar", 1, BRDFFIT_BECKMANN, BRDFFIT_FRESNEL_NONE, BRDFFIT_MASKING_V_CAVITY,
-     BRDFFIT_DIFFUSE_OREN_NAYAR, 1e-3, 0},
+     BRDFFIT_DIFFUSE_OREN_NAYAR, 1e-3, 0, 0},
     {"1 GGX, Smith, Schlick, Burley", 1, BRDFFIT_GGX, BRDFFIT_FRESNEL_SCHLICK, BRDFFIT_MASKING_SMITH,
-     BRDFFIT_DIFFUSE_BURLEY, 1e-3, 3},
+     BRDFFIT_DIFFUSE_BURLEY, 1e-3, 3, 0},
+    {"1 Beckmann, anisotropic", 1, BRDFFIT_BECKMANN, PLAIN, 1e-3, 0, 1},
+    {"1 GGX, anisotropic", 1, BRDFFIT_GGX, PLAIN, 1e-3, 3, 1},
+    {"1 GGX, Schlick, anisotropic", 1, BRDFFIT_GGX, SCHLICK, 1e-3, 7, 1},
+    {"1 anisotropic beside 1 Beckmann, gap 1e-2", 2, BRDFFIT_BECKMANN, PLAIN, 1e-2, 1, 1},
 };
 
 #define FORMS ((int)(sizeof forms / sizeof *forms))
@@ -92,6 +97,7 @@ static brdffit_options options_of(const struct form *form)
     o.fresnel = form->fresnel;
     o.masking = form->masking;
     o.diffuse = form->diffuse;
+    o.anisotropic = form->anisotropic;
     o.relative_gap = form->gap;
     o.max_incidence = 90.0;
     return o;

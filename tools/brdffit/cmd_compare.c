@@ -10,6 +10,7 @@
 #include "interrupt.h"
 #include "output.h"
 #include "reading.h"
+#include "tell.h"
 #include "terms.h"
 
 struct run {
@@ -29,9 +30,9 @@ struct run {
 static void add_defaults(struct cli_text *text)
 {
     brdffit_cli_text_puts(text, "Models are joined with commas: [N]DISTRIBUTION, with + between distributions,\n"
-                                "then /TERM as of --masking, --fresnel and --diffuse of 'brdffit fit' (no-diffuse\n"
-                                "for none): 2beckmann, beckmann+ggx, ggx/smith/schlick. Or a preset of its\n"
-                                "--model. Default:\n ");
+                                "then /TERM as of --masking, --fresnel and --diffuse of 'brdffit fit'\n"
+                                "(no-diffuse for none): 2beckmann, beckmann+ggx, ggx/smith/schlick. Or a preset\n"
+                                "of its --model. Default:\n ");
     size_t column = 1;
     for (const struct cli_model *m = brdffit_cli_default_models; m->lobes > 0; m++) {
         const size_t length = strlen(m->name) + (m[1].lobes > 0);
@@ -49,17 +50,17 @@ void brdffit_cli_compare_help(void)
     struct cli_text text = {0};
     brdffit_cli_text_puts(&text, "Usage: brdffit compare FILE... [options]\n"
                                  "\n"
-                                 "Fit many forms of model to each FILE, with proof, and say which of them its data\n"
-                                 "support, which they cannot tell apart, and which cannot be as good whatever\n"
-                                 "their parameters are.\n"
+                                 "Fit many forms of model to each FILE, with proof, and say which of them its\n"
+                                 "data support, which they cannot tell apart, and which cannot be as good\n"
+                                 "whatever their parameters are.\n"
                                  "\n");
     brdffit_cli_option_help(&text, CLI_COMPARE);
     brdffit_cli_text_puts(&text, "\n");
     add_defaults(&text);
     brdffit_cli_text_puts(&text, "\n"
-                                 "A model that cannot be fitted is a line and stops nothing. Exit status as that of\n"
-                                 "'brdffit fit', of every fit of every FILE: 0 all are certified, and the first of\n"
-                                 "1, 2, 3, 4 that occurred otherwise.\n");
+                                 "A model that cannot be fitted is a line and stops nothing. Exit status as that\n"
+                                 "of 'brdffit fit', of every fit of every FILE: 0 all are certified, and the\n"
+                                 "first of 1, 2, 3, 4 that occurred otherwise.\n");
     fputs(brdffit_cli_text_string(&text), stdout);
     brdffit_cli_text_free(&text);
 }
@@ -69,17 +70,16 @@ static int refuse(const char *bad)
 {
     struct cli_text names = {0};
     brdffit_cli_add_term_names(&names);
-    fprintf(
-        stderr,
+    brdffit_cli_tell(
         "brdffit compare: --models does not take '%.*s'; a model is [N]DISTRIBUTION with + between, up to %d lobes, "
         "then /TERM, each model once; terms: %s; distributions and presets:",
         (int)strcspn(bad, ","), bad, BRDFFIT_MAX_LOBES, brdffit_cli_text_string(&names));
     brdffit_cli_text_free(&names);
     for (const struct cli_choice *c = brdffit_cli_distribution_choices(); c->name != NULL; c++) {
-        fprintf(stderr, "%s %s", c->value == 0 ? "" : ",", c->name);
+        brdffit_cli_tell("%s %s", c->value == 0 ? "" : ",", c->name);
     }
     for (const struct cli_preset *p = brdffit_cli_presets; p->model.lobes > 0; p++) {
-        fprintf(stderr, ", %s", p->model.name);
+        brdffit_cli_tell(", %s", p->model.name);
     }
     fputs("\nTry 'brdffit compare --help'.\n", stderr);
     return CLI_EXIT_USAGE;
@@ -192,8 +192,8 @@ static int run_compare(struct run *r)
         return CLI_EXIT_FAILURE;
     }
     if (r->not_begun > 0) {
-        fprintf(stderr, "brdffit: interrupted; %zu file%s not begun\n", r->not_begun,
-                r->not_begun == 1 ? " was" : "s were");
+        brdffit_cli_tell("brdffit: interrupted; %zu file%s not begun\n", r->not_begun,
+                         r->not_begun == 1 ? " was" : "s were");
     }
     return brdffit_cli_output_commit(&r->output) != 0 ? CLI_EXIT_FAILURE : r->exit_code;
 }
@@ -201,8 +201,8 @@ static int run_compare(struct run *r)
 int brdffit_cli_compare(int argc, char **argv)
 {
     struct cli_settings settings;
-    int code = CLI_EXIT_USAGE;
     const enum cli_parse answer = brdffit_cli_parse(CLI_COMPARE, "compare", argc, argv, &settings);
+    int code = answer == CLI_PARSE_NO_MEMORY ? CLI_EXIT_FAILURE : CLI_EXIT_USAGE;
     if (answer == CLI_PARSED_HELP) {
         brdffit_cli_compare_help();
         code = 0;

@@ -11,6 +11,7 @@
 #include "failure.h"
 #include "reading.h"
 #include "sample.h"
+#include "tell.h"
 #include "weigh.h"
 #include "words.h"
 
@@ -109,9 +110,9 @@ static void print_figures(const struct cli_comparison *c, const struct cli_figur
         brdffit_cli_name(&text, style, c->table->channel_names[c->measured[k]]);
         brdffit_cli_text_printf(&text, " %.15g", figures->rms[k]);
     }
-    fprintf(stderr, "brdffit: %s\n", brdffit_cli_text_string(&text));
+    brdffit_cli_tell("brdffit: %s\n", brdffit_cli_text_string(&text));
     if (!(fabs(figures->e2 - fit->e2) <= AGREEMENT * fit->e2 + rounding * figures->data)) {
-        fprintf(stderr, "brdffit: this is not the %s of the fit: other data, or read another way\n", objective);
+        brdffit_cli_tell("brdffit: this is not the %s of the fit: other data, or read another way\n", objective);
     }
     brdffit_cli_text_free(&text);
 }
@@ -132,10 +133,10 @@ static void say_extrapolated(const struct cli_comparison *c)
         beyond += angles.cos_light > 0 && angles.cos_light < least;
     }
     if (beyond > 0) {
-        fprintf(stderr,
-                "brdffit: %zu of %zu places are lit from beyond %.6g degrees, further than the samples of the fit: "
-                "extrapolated, without Fresnel\n",
-                beyond, samples->count, fit->max_incidence);
+        brdffit_cli_tell(
+            "brdffit: %zu of %zu places are lit from beyond %.6g degrees, further than the samples of the fit: "
+            "extrapolated, without Fresnel\n",
+            beyond, samples->count, fit->max_incidence);
     }
 }
 
@@ -165,7 +166,7 @@ static int evaluate(const struct cli_settings *settings, struct cli_comparison *
     }
     say_extrapolated(c);
     if (!c->complete) {
-        fprintf(stderr, "brdffit: not every channel of the fit is in the file: no E^2 or RMS\n");
+        brdffit_cli_tell("brdffit: not every channel of the fit is in the file: no E^2 or RMS\n");
         return 0;
     }
     struct cli_figures figures = {0, 0, 0, rms};
@@ -208,8 +209,8 @@ static int run_eval(const struct cli_settings *settings)
 int brdffit_cli_eval(int argc, char **argv)
 {
     struct cli_settings settings;
-    int code = CLI_EXIT_USAGE;
     const enum cli_parse answer = brdffit_cli_parse(CLI_EVAL, "eval", argc, argv, &settings);
+    int code = answer == CLI_PARSE_NO_MEMORY ? CLI_EXIT_FAILURE : CLI_EXIT_USAGE;
     if (answer == CLI_PARSED_HELP) {
         brdffit_cli_eval_help();
         code = 0;

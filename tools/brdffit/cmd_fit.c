@@ -15,6 +15,7 @@
 #include "output.h"
 #include "reading.h"
 #include "report.h"
+#include "tell.h"
 
 struct run {
     struct cli_settings *settings;
@@ -81,8 +82,8 @@ static int publish(struct run *r, const struct cli_job *job)
         brdffit_cli_say_notes(job->path, job->table, r->settings->json || !fitted);
     }
     if (fitted && job->result->stop == BRDFFIT_STOP_CONTRADICTION) {
-        fprintf(stderr, "brdffit: %s: the proof contradicts the fit: an error in brdffit, nothing is proven\n",
-                job->path);
+        brdffit_cli_tell("brdffit: %s: the proof contradicts the fit: an error in brdffit, nothing is proven\n",
+                         job->path);
     }
     if (fitted && r->settings->json && !r->settings->quiet) {
         brdffit_cli_say_misfit(job);
@@ -130,8 +131,8 @@ static int fit_files(struct run *r)
 static void summary(const struct run *r)
 {
     if (r->not_begun > 0) {
-        fprintf(stderr, "brdffit: interrupted; %zu file%s not begun\n", r->not_begun,
-                r->not_begun == 1 ? " was" : "s were");
+        brdffit_cli_tell("brdffit: interrupted; %zu file%s not begun\n", r->not_begun,
+                         r->not_begun == 1 ? " was" : "s were");
     }
     if (r->settings->json || r->settings->quiet || r->settings->file_count < 2) {
         return;
@@ -149,7 +150,7 @@ static void summary(const struct run *r)
         brdffit_cli_name(&text, style, r->settings->files[i]);
         separator = ", ";
     }
-    fprintf(stderr, "brdffit: %s%s\n", brdffit_cli_text_string(&text), r->failed ? ")" : "");
+    brdffit_cli_tell("brdffit: %s%s\n", brdffit_cli_text_string(&text), r->failed ? ")" : "");
     brdffit_cli_text_free(&text);
 }
 
@@ -181,6 +182,7 @@ static int run_fit(struct run *r)
         brdffit_cli_output_abandon(&r->output);
         return CLI_EXIT_FAILURE;
     }
+    r->output.may_be_empty = r->settings->json; /* a part (--shard) without files */
     if (brdffit_cli_output_commit(&r->output) != 0) {
         return CLI_EXIT_FAILURE;
     }
@@ -191,8 +193,8 @@ static int run_fit(struct run *r)
 int brdffit_cli_fit(int argc, char **argv)
 {
     struct cli_settings settings;
-    int code = CLI_EXIT_USAGE;
     const enum cli_parse answer = brdffit_cli_parse(CLI_FIT, "fit", argc, argv, &settings);
+    int code = answer == CLI_PARSE_NO_MEMORY ? CLI_EXIT_FAILURE : CLI_EXIT_USAGE;
     if (answer == CLI_PARSED_HELP) {
         brdffit_cli_fit_help();
         code = 0;

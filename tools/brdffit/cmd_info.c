@@ -100,8 +100,8 @@ static int run_info(const struct cli_settings *settings, struct cli_fitter *fitt
 int brdffit_cli_info(int argc, char **argv)
 {
     struct cli_settings settings;
-    int code = CLI_EXIT_USAGE;
     const enum cli_parse answer = brdffit_cli_parse(CLI_INFO, "info", argc, argv, &settings);
+    int code = answer == CLI_PARSE_NO_MEMORY ? CLI_EXIT_FAILURE : CLI_EXIT_USAGE;
     if (answer == CLI_PARSED_HELP) {
         brdffit_cli_info_help();
         code = 0;

@@ -10,6 +10,7 @@
 #include "interrupt.h"
 #include "map.h"
 #include "output.h"
+#include "tell.h"
 
 void brdffit_cli_map_help(void)
 {
@@ -78,9 +79,9 @@ int brdffit_cli_map_check_target(const struct cli_settings *s, const char *targe
     struct stat about;
     const int there = stat(target, &about) == 0, folder = there && S_ISDIR(about.st_mode);
     if (brdffit_cli_map_is_npz(target) && s->map_format == CLI_MAP_PFM) {
-        fprintf(stderr, "brdffit: --format pfm needs a folder for the maps, not %s\n", target);
+        brdffit_cli_tell("brdffit: --format pfm needs a folder for the maps, not %s\n", target);
     } else if (there && folder == brdffit_cli_map_is_npz(target)) {
-        fprintf(stderr, "brdffit: the maps' place %s is %s\n", target, folder ? "a folder" : "a file, and no .npz");
+        brdffit_cli_tell("brdffit: the maps' place %s is %s\n", target, folder ? "a folder" : "a file, and no .npz");
     } else {
         return 0;
     }
@@ -102,8 +103,8 @@ static size_t tiles_kept(const struct cli_map *map)
 static int finish_shard(const struct cli_map *map)
 {
     if (!map->settings->quiet) {
-        printf("%s: part %s is done; %zu of %zu tiles are in %s\n", map->settings->files[0], map->settings->shard,
-               tiles_kept(map), map->tiles, map->work);
+        brdffit_cli_tell_to(stdout, "%s: part %s is done; %zu of %zu tiles are in %s\n", map->settings->files[0],
+                            map->settings->shard, tiles_kept(map), map->tiles, map->work);
     }
     return 0;
 }
@@ -111,8 +112,8 @@ static int finish_shard(const struct cli_map *map)
 static int interrupted(const struct cli_map *map)
 {
     const size_t kept = tiles_kept(map);
-    fprintf(stderr, "brdffit: interrupted; %zu of %zu tiles are kept in %s: the same command goes on with them\n", kept,
-            map->tiles, map->work);
+    brdffit_cli_tell("brdffit: interrupted; %zu of %zu tiles are kept in %s: the same command goes on with them\n",
+                     kept, map->tiles, map->work);
     return CLI_EXIT_OPEN;
 }
 
@@ -137,6 +138,9 @@ static int run(struct cli_map *map, const struct cli_settings *settings, const c
     if (code == -1) {
         return interrupted(map);
     }
+    if (code == 0) {
+        code = brdffit_cli_map_unchanged(map);
+    }
     if (code == 0 && settings->shard != NULL) {
         return finish_shard(map);
     }
@@ -156,8 +160,8 @@ static int run(struct cli_map *map, const struct cli_settings *settings, const c
 int brdffit_cli_map(int argc, char **argv)
 {
     struct cli_settings settings;
-    int code = CLI_EXIT_USAGE;
     const enum cli_parse answer = brdffit_cli_parse(CLI_MAP, "map", argc, argv, &settings);
+    int code = answer == CLI_PARSE_NO_MEMORY ? CLI_EXIT_FAILURE : CLI_EXIT_USAGE;
     if (answer == CLI_PARSED_HELP) {
         brdffit_cli_map_help();
         code = 0;

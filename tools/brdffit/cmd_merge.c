@@ -10,6 +10,7 @@
 #include "merge.h"
 #include "output.h"
 #include "settings.h"
+#include "tell.h"
 
 static const char work_suffix[] = ".brdffit-work";
 
@@ -86,9 +87,9 @@ static int merge(struct cli_settings *settings)
     } else if (target.size == 0) {
         code = brdffit_cli_merge_fits(settings);
     } else if (settings->file_count > 1 || settings->output != NULL) {
-        fprintf(stderr, "brdffit merge: %s are maps: %s\nTry 'brdffit merge --help'.\n", target.data,
-                settings->output != NULL ? "they go where 'brdffit map' was told to put them, without --output"
-                                         : "one at a time");
+        brdffit_cli_tell("brdffit merge: %s are maps: %s\nTry 'brdffit merge --help'.\n", target.data,
+                         settings->output != NULL ? "they go where 'brdffit map' was told to put them, without --output"
+                                                  : "one at a time");
         code = CLI_EXIT_USAGE;
     } else {
         code = brdffit_cli_merge_map(settings, target.data);
@@ -100,8 +101,8 @@ static int merge(struct cli_settings *settings)
 int brdffit_cli_merge(int argc, char **argv)
 {
     struct cli_settings settings;
-    int code = CLI_EXIT_USAGE;
     const enum cli_parse answer = brdffit_cli_parse(CLI_MERGE, "merge", argc, argv, &settings);
+    int code = answer == CLI_PARSE_NO_MEMORY ? CLI_EXIT_FAILURE : CLI_EXIT_USAGE;
     if (answer == CLI_PARSED_HELP) {
         brdffit_cli_merge_help();
         code = 0;

@@ -82,7 +82,7 @@ static void open_for(const struct cli_comparison *c, const struct cli_model *mod
     brdffit_cli_job_open(job, fitter, path);
     brdffit_cli_use_model(model, &fitter->options);
     if (strcmp(path, "-") == 0 && job->status == BRDFFIT_OK) { /* which is read only once */
-        job->status = brdffit_io_samples(job->table, &job->error);
+        brdffit_cli_job_samples(job);
     }
 }
 
@@ -104,6 +104,8 @@ void brdffit_cli_compare_models(struct cli_comparison *c, struct cli_fitter *fit
         if (job->status == BRDFFIT_OK || is_of_model(job->status)) {
             brdffit_cli_job_fit(job, fitter);
         }
+        const double effective = job->status == BRDFFIT_OK ? brdffit_cli_effective_observations(job, &fitter->options)
+                                                           : 0;
         entry->not_begun = 0;
         entry->status = job->status;
         entry->message = job->status == BRDFFIT_OK ? NULL : brdffit_cli_message(&job->error);
@@ -112,7 +114,9 @@ void brdffit_cli_compare_models(struct cli_comparison *c, struct cli_fitter *fit
         }
         if (job->status == BRDFFIT_OK) {
             take_result(c, entry, job->result, &fitter->options);
-            entry->effective = brdffit_cli_effective_observations(job, &fitter->options);
+            entry->effective = effective;
+        } else if (job->status == BRDFFIT_ERR_MEMORY) {
+            (void)brdffit_cli_no_memory(); /* which is no word about the model */
         }
         entry->seconds = brdffit_cli_clock() - start;
         if (json != NULL) {

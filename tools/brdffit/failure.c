@@ -1,5 +1,6 @@
 /* failure.c: exit codes, and errors in words. SPDX-License-Identifier: MIT */
 #include "failure.h"
+#include "tell.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -147,12 +148,12 @@ void brdffit_cli_report_error(const char *path, const brdffit_error *error, cons
     if (system_error != 0 && (error->status == BRDFFIT_ERR_OPEN || error->status == BRDFFIT_ERR_READ)) {
         brdffit_cli_text_printf(&text, " (%s)", strerror(system_error));
     }
-    fprintf(stderr, "%s\n", text.failed ? "brdffit: out of memory" : brdffit_cli_text_string(&text));
+    brdffit_cli_tell("%s\n", text.failed ? "brdffit: out of memory" : brdffit_cli_text_string(&text));
     brdffit_cli_text_free(&text);
 }
 
 int brdffit_cli_no_memory(void)
 {
-    fprintf(stderr, "brdffit: out of memory\n");
+    brdffit_cli_tell("brdffit: out of memory\n");
     return CLI_EXIT_FAILURE;
 }

@@ -90,7 +90,7 @@ void brdffit_cli_cut(struct cli_text *text, struct cli_style style, const brdffi
             brdffit_cli_text_printf(text, " Of %s %s to %.6g, as asked for, nothing is said: no sample sees %s.",
                                     exponent ? "n" : brdffit_cli_glyph(style, CLI_SIGMA), exponent ? "up" : "down",
                                     exponent ? options->exponent_max : options->sigma_min,
-                                    options->anisotropic ? "1e-7 of such lobes' peak"
+                                    options->anisotropic ? "1e-7 of such lobes' peak but in the mirror direction"
                                                          : "such lobes, whose coefficients would be beyond any double");
         }
     }

@@ -11,7 +11,9 @@
 
 #include "confidence.h"
 #include "failure.h"
+#include "guard.h"
 #include "interrupt.h"
+#include "tell.h"
 #include "terms.h"
 #include "weigh.h"
 
@@ -48,13 +50,13 @@ static int load_directions(struct cli_fitter *fitter, const char *path)
     const brdffit_status status = brdffit_io_read(path, &options, &fitter->directions, &error);
     if (status != BRDFFIT_OK) {
         brdffit_cli_report_error(path, &error, NULL, errno);
-        fprintf(stderr, "brdffit: --merl-samples takes table, 84 or a file like those of fit, with "
-                        "directions\n");
+        brdffit_cli_tell("brdffit: --merl-samples takes table, 84 or a file like those of fit, with "
+                         "directions\n");
         return brdffit_cli_status_exit(status);
     }
     const brdffit_samples *const samples = fitter->directions->samples;
     if (samples->form != BRDFFIT_FORM_DIRECTIONS || samples->normal != NULL || samples->count == 0) {
-        fprintf(stderr, "brdffit: %s: --merl-samples needs directions of light and view, without normals\n", path);
+        brdffit_cli_tell("brdffit: %s: --merl-samples needs directions of light and view, without normals\n", path);
         return CLI_EXIT_DATA;
     }
     fitter->io.directions = samples;
@@ -86,6 +88,35 @@ void brdffit_cli_fitter_free(struct cli_fitter *fitter)
 
 /* ---- Files ------------------------------------------------------------- */
 
+void brdffit_cli_job_fail(struct cli_job *job, brdffit_status status)
+{
+    job->status = status;
+    job->error.status = status;
+    job->error.message = brdffit_status_string(status);
+    job->error.sample = job->error.channel = BRDFFIT_NONE;
+    job->error.line = job->error.column = BRDFFIT_NONE;
+    job->error.value = 0;
+}
+
+/* Of a file that was mapped: what is gone of it was read as zeros. */
+static void end_guard(struct cli_job *job)
+{
+    if (brdffit_cli_guard_end()) {
+        brdffit_io_free(job->table);
+        job->table = NULL;
+        brdffit_cli_job_fail(job, BRDFFIT_ERR_READ);
+        job->error.message = "the file became shorter, or failed, while it was read";
+        errno = 0;
+    }
+}
+
+void brdffit_cli_job_samples(struct cli_job *job)
+{
+    brdffit_cli_guard_begin();
+    job->status = brdffit_io_samples(job->table, &job->error);
+    end_guard(job);
+}
+
 /* `options`: of the fit, when the table will be fitted and nothing else, so that sums will do; or NULL. */
 static void read_table(struct cli_job *job, struct cli_fitter *fitter, const char *path, const brdffit_options *options)
 {
@@ -94,8 +125,10 @@ static void read_table(struct cli_job *job, struct cli_fitter *fitter, const cha
     job->path = path;
     const double start = brdffit_cli_clock();
     errno = 0;
+    brdffit_cli_guard_begin();
     job->status = options != NULL ? brdffit_io_read_sums(path, &fitter->io, options, &job->table, &job->error)
                                   : brdffit_io_read(path, &fitter->io, &job->table, &job->error);
+    end_guard(job);
     if (job->status != BRDFFIT_OK) {
         job->system_error = errno;
     }
@@ -105,16 +138,6 @@ static void read_table(struct cli_job *job, struct cli_fitter *fitter, const cha
 void brdffit_cli_job_read(struct cli_job *job, struct cli_fitter *fitter, const char *path)
 {
     read_table(job, fitter, path, NULL);
-}
-
-static void fail(struct cli_job *job, brdffit_status status)
-{
-    job->status = status;
-    job->error.status = status;
-    job->error.message = brdffit_status_string(status);
-    job->error.sample = job->error.channel = BRDFFIT_NONE;
-    job->error.line = job->error.column = BRDFFIT_NONE;
-    job->error.value = 0;
 }
 
 /* 1 when the workspace holds `size` bytes. The old content is of no use, so
@@ -141,7 +164,7 @@ static void fit(struct cli_job *job, struct cli_fitter *fitter)
     const size_t size = sums != NULL ? brdffit_sums_workspace_size(sums, &fitter->options)
                                      : brdffit_workspace_size(samples->count, samples->channels, &fitter->options);
     if (!grow(&fitter->workspace, &fitter->capacity, size > 0 ? size : 1)) {
-        fail(job, BRDFFIT_ERR_MEMORY);
+        brdffit_cli_job_fail(job, BRDFFIT_ERR_MEMORY);
         return;
     }
     fitter->reduced_at = 0;
@@ -178,7 +201,7 @@ static void verify(struct cli_job *job, struct cli_fitter *fitter)
     }
     const size_t size = brdffit_workspace_size(samples->count, samples->channels, &options);
     if (!grow(&fitter->verify_workspace, &fitter->verify_capacity, size > 0 ? size : 1)) {
-        fail(job, BRDFFIT_ERR_MEMORY);
+        brdffit_cli_job_fail(job, BRDFFIT_ERR_MEMORY);
         return;
     }
     const brdffit_verification *made;
@@ -204,7 +227,10 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
     options.progress = NULL;
     const size_t size = sums != NULL ? brdffit_sums_workspace_size(sums, &options)
                                      : brdffit_workspace_size(samples->count, samples->channels, &options);
-    if (size == 0 || !grow(&fitter->verify_workspace, &fitter->verify_capacity, size)) {
+    if (size > 0 && !grow(&fitter->verify_workspace, &fitter->verify_capacity, size)) {
+        brdffit_cli_job_fail(job, BRDFFIT_ERR_MEMORY);
+    }
+    if (size == 0 || job->status != BRDFFIT_OK) {
         return;
     }
     const brdffit_status status = sums != NULL ? brdffit_fit_sums(sums, &options, fitter->verify_workspace,
@@ -215,7 +241,7 @@ static void fit_one_lobe(struct cli_job *job, struct cli_fitter *fitter)
     job->one_lobe_e2 = job->one_lobe_fitted ? result->e2 : 0;
 }
 
-/* Where there is an F0, which no physical bound has a part in. A failure only leaves the statement out. */
+/* Where there is an F0, which no physical bound has a part in. Data that do not tell it only leave the statement out. */
 static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
 {
     const brdffit_model *const model = job->result->model;
@@ -226,9 +252,13 @@ static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
         return;
     }
     job->f0_low = calloc(count, 2 * sizeof *job->f0_low);
-    job->f0_high = job->f0_low != NULL ? job->f0_low + count : NULL;
-    if (job->f0_low != NULL && brdffit_f0_interval(job->table->samples, &fitter->options, model, job->f0_low,
-                                                   job->f0_high, NULL) != BRDFFIT_OK) {
+    if (job->f0_low == NULL) {
+        brdffit_cli_job_fail(job, BRDFFIT_ERR_MEMORY);
+        return;
+    }
+    job->f0_high = job->f0_low + count;
+    if (brdffit_f0_interval(job->table->samples, &fitter->options, model, job->f0_low, job->f0_high, NULL) !=
+        BRDFFIT_OK) {
         free(job->f0_low);
         job->f0_low = job->f0_high = NULL;
     }
@@ -298,7 +328,7 @@ void brdffit_cli_job_fit(struct cli_job *job, struct cli_fitter *fitter)
 {
     fit(job, fitter);
     if (job->table->sums != NULL && !sums_suffice(job)) {
-        job->status = brdffit_io_samples(job->table, &job->error);
+        brdffit_cli_job_samples(job);
         if (job->status == BRDFFIT_OK) {
             fit(job, fitter);
         }

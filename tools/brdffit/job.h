@@ -76,8 +76,14 @@ void brdffit_cli_job_open(struct cli_job *job, struct cli_fitter *fitter, const 
 void brdffit_cli_job_fit(struct cli_job *job, struct cli_fitter *fitter);
 void brdffit_cli_job_check(struct cli_job *job, struct cli_fitter *fitter);
 
+/* Samples in place of sums. Without a table afterwards: the file is gone. */
+void brdffit_cli_job_samples(struct cli_job *job);
+
 /* Read only: table or error. */
 void brdffit_cli_job_read(struct cli_job *job, struct cli_fitter *fitter, const char *path);
+
+/* The job fails, in the words of the status. */
+void brdffit_cli_job_fail(struct cli_job *job, brdffit_status status);
 
 /* The exit code that this file alone would give. */
 int brdffit_cli_job_exit(const struct cli_job *job);

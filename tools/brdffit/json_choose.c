@@ -6,7 +6,9 @@
 #include <string.h>
 
 #include "failure.h"
+#include "json_parse.h"
 #include "slurp.h"
+#include "tell.h"
 
 static const char *string_member(const cJSON *object, const char *name)
 {
@@ -78,7 +80,7 @@ static int bad_json(const char *path, const char *text, const char *at)
     for (; text < at; text++) {
         line += *text == '\n';
     }
-    fprintf(stderr, "brdffit: %s: line %zu: this is not a line of 'brdffit fit --json'\n", path, line);
+    brdffit_cli_tell("brdffit: %s: line %zu: this is not a line of 'brdffit fit --json'\n", path, line);
     return CLI_EXIT_DATA;
 }
 
@@ -92,7 +94,11 @@ static int collect(struct choice *c, const struct cli_text *text, const char *pa
             return 0;
         }
         const char *stop = at;
-        cJSON *object = cJSON_ParseWithLengthOpts(at, (size_t)(end - at) + 1, &stop, 0);
+        int no_memory;
+        cJSON *object = brdffit_cli_json_parse(at, (size_t)(end - at) + 1, &stop, &no_memory);
+        if (no_memory) {
+            return brdffit_cli_no_memory();
+        }
         const char *schema = string_member(object, "schema");
         if (schema != NULL && strcmp(schema, "brdffit.comparison/1") == 0) { /* what compare says of the lines before */
             cJSON_Delete(object);
@@ -127,12 +133,12 @@ static const cJSON *choose(const struct choice *c, const char *path, const char 
         return c->any;
     }
     if (c->count == 0) {
-        fprintf(stderr, "brdffit: %s: there is no fit in it\n", path);
+        brdffit_cli_tell("brdffit: %s: there is no fit in it\n", path);
     } else if (select != 0) {
-        fprintf(stderr, "brdffit: %s: --select %zu, but there are only %zu fits\n", path, select, c->count);
+        brdffit_cli_tell("brdffit: %s: --select %zu, but there are only %zu fits\n", path, select, c->count);
     } else {
-        fprintf(stderr, "brdffit: %s: none of its %zu fits is of %s alone; choose one with --select N\n", path,
-                c->count, file);
+        brdffit_cli_tell("brdffit: %s: none of its %zu fits is of %s alone; choose one with --select N\n", path,
+                         c->count, file);
     }
     return NULL;
 }
@@ -140,13 +146,22 @@ static const cJSON *choose(const struct choice *c, const char *path, const char 
 int brdffit_cli_fit_read(struct cli_fit *fit, const char *path, const char *file, size_t select)
 {
     struct cli_text text = {0};
+    memset(fit, 0, sizeof *fit);
+    int code = brdffit_cli_slurp(&text, path);
+    if (code == 0) {
+        code = brdffit_cli_fit_find(fit, &text, path, file, select);
+    }
+    brdffit_cli_text_free(&text);
+    return code;
+}
+
+int brdffit_cli_fit_find(struct cli_fit *fit, const struct cli_text *text, const char *path, const char *file,
+                         size_t select)
+{
     struct choice c;
     memset(fit, 0, sizeof *fit);
     memset(&c, 0, sizeof c);
-    int code = brdffit_cli_slurp(&text, path);
-    if (code == 0) {
-        code = collect(&c, &text, path, file, select);
-    }
+    int code = collect(&c, text, path, file, select);
     if (code == 0) {
         const cJSON *object = choose(&c, path, file, select, &fit->line);
         code = object == NULL ? CLI_EXIT_DATA : brdffit_cli_fit_parse(fit, object, path);
@@ -154,6 +169,5 @@ int brdffit_cli_fit_read(struct cli_fit *fit, const char *path, const char *file
     cJSON_Delete(c.exact);
     cJSON_Delete(c.base);
     cJSON_Delete(c.any);
-    brdffit_cli_text_free(&text);
     return code;
 }

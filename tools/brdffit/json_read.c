@@ -9,6 +9,7 @@
 
 #include "failure.h"
 #include "reading.h"
+#include "tell.h"
 #include "terms.h"
 #include "weigh.h"
 
@@ -377,7 +378,7 @@ int brdffit_cli_fit_parse(struct cli_fit *fit, const cJSON *object, const char *
     const char *status = string_member(object, "status");
     if (status != NULL && strcmp(status, "error") == 0) {
         const char *why = string_member(member(object, "error"), "message");
-        fprintf(stderr, "brdffit: %s: fit %zu failed: %s\n", path, fit->line, why == NULL ? "no reason given" : why);
+        brdffit_cli_tell("brdffit: %s: fit %zu failed: %s\n", path, fit->line, why == NULL ? "no reason given" : why);
         return CLI_EXIT_DATA;
     }
     const char *bad = read_fit(fit, object);
@@ -387,7 +388,7 @@ int brdffit_cli_fit_parse(struct cli_fit *fit, const cJSON *object, const char *
     if (strcmp(bad, "memory") == 0) {
         return brdffit_cli_no_memory();
     }
-    fprintf(stderr, "brdffit: %s: fit %zu: \"%s\" is missing or wrong\n", path, fit->line, bad);
+    brdffit_cli_tell("brdffit: %s: fit %zu: \"%s\" is missing or wrong\n", path, fit->line, bad);
     return CLI_EXIT_DATA;
 }
 

@@ -36,6 +36,10 @@ struct cli_fit {
  * exit code when the reason is on stderr. */
 int brdffit_cli_fit_read(struct cli_fit *fit, const char *path, const char *file, size_t select);
 
+/* The same in a text that was read from `path`. */
+int brdffit_cli_fit_find(struct cli_fit *fit, const struct cli_text *text, const char *path, const char *file,
+                         size_t select);
+
 /* Read fit number fit->line from its JSON object; the same answers. */
 int brdffit_cli_fit_parse(struct cli_fit *fit, const cJSON *object, const char *path);
 

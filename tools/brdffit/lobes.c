@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "suggest.h"
+#include "tell.h"
 #include "terms.h"
 
 /* The last of these ends the list. */
@@ -146,15 +147,15 @@ static void refuse(const char *command_name, const char *given, const char *bad)
     if (command_name == NULL) {
         return;
     }
-    fprintf(stderr, "brdffit %s: --lobes does not take '%s'; valid values: 1 to %d, %sor up to %d names with commas:",
-            command_name, given, BRDFFIT_MAX_LOBES, strcmp(command_name, "fit") == 0 ? "auto, " : "",
-            BRDFFIT_MAX_LOBES);
+    brdffit_cli_tell(
+        "brdffit %s: --lobes does not take '%s'; valid values: 1 to %d, %sor up to %d names with commas:", command_name,
+        given, BRDFFIT_MAX_LOBES, strcmp(command_name, "fit") == 0 ? "auto, " : "", BRDFFIT_MAX_LOBES);
     for (const struct cli_choice *c = brdffit_cli_distribution_choices(); c->name != NULL; c++) {
-        fprintf(stderr, "%s %s", c == choices ? "" : ",", c->name);
+        brdffit_cli_tell("%s %s", c == choices ? "" : ",", c->name);
         brdffit_cli_suggest(&near, bad, c->name);
     }
     if (near.word != NULL) {
-        fprintf(stderr, "; did you mean '%s'?", near.word);
+        brdffit_cli_tell("; did you mean '%s'?", near.word);
     }
     fputc('\n', stderr);
 }
@@ -175,7 +176,7 @@ static int take_auto(struct cli_settings *s, const char *command_name)
     s->lobes_auto = 1;
     take_count(s, 1);
     if (s->norm != BRDFFIT_NORM_L2) {
-        fprintf(stderr, "brdffit %s: --lobes auto is for --norm l2\n", command_name);
+        brdffit_cli_tell("brdffit %s: --lobes auto is for --norm l2\n", command_name);
         return -1;
     }
     return 0;
@@ -203,10 +204,10 @@ int brdffit_cli_settle_lobes(struct cli_settings *s, const char *command_name)
         return -1;
     }
     if (s->distribution != CLI_UNSET) {
-        fprintf(stderr,
-                "brdffit %s: --lobes %s names the distributions: --distribution %s does not go with it, only with a "
-                "number\n",
-                command_name, given, brdffit_distribution_string((brdffit_distribution)s->distribution));
+        brdffit_cli_tell(
+            "brdffit %s: --lobes %s names the distributions: --distribution %s does not go with it, only with a "
+            "number\n",
+            command_name, given, brdffit_distribution_string((brdffit_distribution)s->distribution));
         return -1;
     }
     brdffit_cli_group_lobes(s->distributions, s->lobes);

@@ -34,6 +34,9 @@ static int try_lobes(struct cli_job *job, struct cli_fitter *fitter, int lobes)
     trial->e2_most = fmax(r->e2 + r->e2_error, floor);
     trial->lower_bound = fmax(r->lower_bound, floor);
     trial->effective = brdffit_cli_effective_observations(job, &fitter->options);
+    if (job->status != BRDFFIT_OK) {
+        return 0;
+    }
     trial->channels = brdffit_cli_distinct_channels(r);
     job->trial_count = lobes > job->trial_count ? lobes : job->trial_count;
     if (lobes > 1) {

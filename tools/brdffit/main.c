@@ -15,23 +15,7 @@
 #include "interrupt.h"
 #include "output.h"
 #include "suggest.h"
-
-struct command {
-    const char *name;
-    int (*run)(int argc, char **argv);
-    void (*help)(void);
-    const char *summary;
-};
-
-static const struct command commands[] = {
-    {"fit", brdffit_cli_fit, brdffit_cli_fit_help, "fit a model to measured files, with proof"},
-    {"compare", brdffit_cli_compare, brdffit_cli_compare_help, "fit many forms of model: which do the data support"},
-    {"eval", brdffit_cli_eval, brdffit_cli_eval_help, "evaluate a fit at a file's directions"},
-    {"map", brdffit_cli_map, brdffit_cli_map_help, "fit every texel of a stack of images"},
-    {"merge", brdffit_cli_merge, brdffit_cli_merge_help, "put together what fit and map --shard did"},
-    {"info", brdffit_cli_info, brdffit_cli_info_help, "what is in a file and what would be used"},
-};
-#define COMMAND_COUNT (sizeof commands / sizeof *commands)
+#include "tell.h"
 
 /* A standard descriptor that the caller closed would be taken by the next
  * file opened, and results would end up there. Fill it so that its own use
@@ -48,31 +32,50 @@ static void guard_descriptors(void)
 static void usage(FILE *out)
 {
     fputs("Usage: brdffit COMMAND ...\n\n", out);
-    for (size_t i = 0; i < COMMAND_COUNT; i++) {
-        fprintf(out, "  %-8s %s\n", commands[i].name, commands[i].summary);
+    for (const struct cli_command *c = brdffit_cli_commands; c->name != NULL; c++) {
+        fprintf(out, "  %-10s %s\n", c->name, c->summary);
     }
-    fputs("  report   pages that show fits, their proofs and residuals (of the Python package)\n", out);
+    fputs("  report     pages that show fits, proofs and residuals (of the Python package)\n", out);
     fputs("\n'brdffit COMMAND --help' explains a command; 'brdffit --version' tells the\n"
           "version. Any other NAME runs the program brdffit-NAME from your PATH.\n",
           out);
 }
 
-static const struct command *find_command(const char *name)
+static const struct cli_command *find_command(const char *name)
 {
-    for (size_t i = 0; i < COMMAND_COUNT; i++) {
-        if (strcmp(commands[i].name, name) == 0) {
-            return &commands[i];
+    for (const struct cli_command *c = brdffit_cli_commands; c->name != NULL; c++) {
+        if (strcmp(c->name, name) == 0) {
+            return c;
         }
     }
     return NULL;
 }
 
-static int unknown_command(const char *name)
+/* Options that stand where a command does. */
+static const char *const alone[] = {"--help", "--version", NULL};
+
+/* "; did you mean 'WORD'?" among the commands and these, dashes or not. */
+static void hint(const char *name)
 {
     struct cli_suggestion near = {0};
-    for (size_t i = 0; i < COMMAND_COUNT; i++) {
-        brdffit_cli_suggest(&near, name, commands[i].name);
+    for (const struct cli_command *c = brdffit_cli_commands; c->name != NULL; c++) {
+        brdffit_cli_suggest(&near, name, c->name);
     }
+    for (size_t i = 0; alone[i] != NULL; i++) {
+        const char *const word = alone[i] + 2, *const given = name + strspn(name, "-");
+        if (strcmp(given, word) == 0 || ((given[0] == 'v' || given[0] == 'V') && given[1] == '\0' && word[0] == 'v')) {
+            near.word = alone[i];
+        } else if (name[0] == '-') {
+            brdffit_cli_suggest(&near, name, alone[i]);
+        }
+    }
+    if (near.word != NULL) {
+        brdffit_cli_tell("; did you mean '%s'?", near.word);
+    }
+}
+
+static int unknown_command(const char *name)
+{
     if (strcmp(name, "report") == 0) {
         fputs("brdffit: there is no brdffit-report on the PATH. It comes with the Python package: in a clone of "
               "brdffit,\n"
@@ -81,13 +84,11 @@ static int unknown_command(const char *name)
               stderr);
         return CLI_EXIT_USAGE;
     }
-    fprintf(stderr, "brdffit: '%s' is not a command", name);
+    brdffit_cli_tell("brdffit: '%s' is not a command", name);
     if (strchr(name, '/') == NULL) {
-        fprintf(stderr, ", and there is no brdffit-%s on the PATH", name);
+        brdffit_cli_tell(", and there is no brdffit-%s on the PATH", name);
     }
-    if (near.word != NULL) {
-        fprintf(stderr, "; did you mean '%s'?", near.word);
-    }
+    hint(name);
     fputs("\nTry 'brdffit --help'.\n", stderr);
     return CLI_EXIT_USAGE;
 }
@@ -109,7 +110,7 @@ static int run_external(char **argv)
     (void)execvp(program.data, argv);
     const int error = errno;
     if (error != ENOENT && error != ENOTDIR) {
-        fprintf(stderr, "brdffit: %s: %s\n", program.data, strerror(error));
+        brdffit_cli_tell("brdffit: %s: %s\n", program.data, strerror(error));
         brdffit_cli_text_free(&program);
         return CLI_EXIT_FAILURE;
     }
@@ -119,7 +120,7 @@ static int run_external(char **argv)
 
 static int help(char *name)
 {
-    const struct command *const c = name == NULL ? NULL : find_command(name);
+    const struct cli_command *const c = name == NULL ? NULL : find_command(name);
     if (name != NULL && c == NULL) {
         return run_external((char *[]){name, (char[]){"--help"}, NULL});
     }
@@ -149,11 +150,12 @@ static int dispatch(int argc, char **argv)
         return 0;
     }
     if (name[0] == '-') {
-        fprintf(stderr, "brdffit: unknown option '%s'; options follow a command\n", name);
-        fputs("Try 'brdffit --help'.\n", stderr);
+        brdffit_cli_tell("brdffit: unknown option '%s'; options follow a command", name);
+        hint(name);
+        fputs("\nTry 'brdffit --help'.\n", stderr);
         return CLI_EXIT_USAGE;
     }
-    const struct command *const c = find_command(name);
+    const struct cli_command *const c = find_command(name);
     if (c == NULL) {
         return run_external(argv + 1);
     }

@@ -34,7 +34,10 @@ struct cli_map {
     brdffit_array *stack;
     char **images; /* `samples` paths; NULL: the stack is one array */
     int png;       /* they are PNG, and become an array in the work folder */
-    struct cli_text identity; /* a line each file: path, size, time, shape */
+    struct cli_text identity; /* of the manifest, a line each file: role, path, size, shape */
+    struct cli_text times;    /* and when it was written */
+    struct cli_map_input *inputs; /* the files as they were when they were opened */
+    size_t input_count;
 
     /* The geometry: shared by all texels, or with arrays a texel. */
     brdffit_table *table; /* owns what `geometry` points to, or NULL */
@@ -66,14 +69,27 @@ size_t brdffit_cli_map_rows(const struct cli_map *map, size_t tile);
 int brdffit_cli_map_open(struct cli_map *map, const struct cli_settings *settings);
 void brdffit_cli_map_close(struct cli_map *map);
 
-/* A line of `identity`: what file this is. `array` may be NULL. */
-void brdffit_cli_map_record(struct cli_map *map, const char *role, const char *path, const brdffit_array *array);
-
 /* An array, from FILE or FILE.npz:NAME; recorded in `identity` as `role`. */
 int brdffit_cli_map_array(struct cli_map *map, const char *role, const char *path, brdffit_array **array);
 
 /* "84 x 64 x 64 x 3" */
 void brdffit_cli_map_shape(struct cli_text *text, const brdffit_array *array);
+
+/* map_identity.c: before a file is opened: as what it is known from now on. */
+void brdffit_cli_map_watch(struct cli_map *map, const char *path);
+
+/* A line of `identity` and of `times` about the file watched last. `array` may be NULL. */
+void brdffit_cli_map_record(struct cli_map *map, const char *role, const char *path, const brdffit_array *array);
+
+/* The content of what all texels share, as a line of `identity`. */
+void brdffit_cli_map_record_content(struct cli_map *map, const char *role, const void *data, size_t size);
+
+/* Go on hashing: no protection from malice, but no two stacks that people have. */
+uint64_t brdffit_cli_map_hash(uint64_t hash, const void *data, size_t size);
+
+/* 0, or CLI_EXIT_FAILURE when a file is not what it was when the run began: the reason is on stderr. */
+int brdffit_cli_map_unchanged(const struct cli_map *map);
+void brdffit_cli_map_forget_inputs(struct cli_map *map);
 
 /* map_images.c: a folder, or the files of a list. `list` is a CSV text whose
  * column `file` is taken out; *found tells whether it had one. */
@@ -86,18 +102,24 @@ int brdffit_cli_map_images(struct cli_map *map);
 int brdffit_cli_png_shape(const char *path, size_t shape[3]);
 int brdffit_cli_png_unpack(struct cli_map *map);
 
-/* map_work.c: the work folder, and the tiles in it. */
+/* map_work.c: the work folder. */
+uint64_t brdffit_cli_map_key(const char *manifest);
 int brdffit_cli_map_begin(struct cli_map *map, const char *target);
-int brdffit_cli_map_has_tile(const struct cli_map *map, size_t tile);
-int brdffit_cli_map_keep_tile(const struct cli_map *map, size_t tile, const struct cli_map_counts *counts,
-                              const double *values, const unsigned char *status);
-int brdffit_cli_map_load_tile(const struct cli_map *map, size_t tile, struct cli_map_counts *counts, double *values,
-                              unsigned char *status);
 char *brdffit_cli_map_path(const struct cli_map *map, const char *name);
 void brdffit_cli_map_forget(struct cli_map *map);
 
 /* Find and lock the work folder that parts have filled. */
 int brdffit_cli_map_reopen(struct cli_map *map, const char *target);
+
+/* map_tiles.c: the tiles in it. */
+int brdffit_cli_map_has_tile(const struct cli_map *map, size_t tile);
+
+/* The hash of the data that a kept tile was fitted to; 0: there is none. */
+int brdffit_cli_map_tile_data(const struct cli_map *map, size_t tile, uint64_t *data);
+int brdffit_cli_map_keep_tile(const struct cli_map *map, size_t tile, uint64_t data,
+                              const struct cli_map_counts *counts, const double *values, const unsigned char *status);
+int brdffit_cli_map_load_tile(const struct cli_map *map, size_t tile, struct cli_map_counts *counts, double *values,
+                              unsigned char *status);
 
 /* map_fit.c: one tile. A worker has its own memory. */
 struct cli_map_worker;
@@ -108,8 +130,9 @@ size_t brdffit_cli_map_worker_bytes(const struct cli_map *map);
 /* Called with texels done since the last call; non-zero: stop. */
 typedef int (*cli_map_tick)(void *user, size_t texels);
 
-/* 0; -1: stopped; else an exit code with the reason on stderr. */
-int brdffit_cli_map_tile(struct cli_map_worker *worker, size_t tile, cli_map_tick tick, void *user);
+/* 0; -1: stopped; else an exit code with the reason on stderr. A tile that is there already, fitted to the same data,
+ * stays; of other data, it is counted in *stale and fitted again. */
+int brdffit_cli_map_tile(struct cli_map_worker *worker, size_t tile, int *stale, cli_map_tick tick, void *user);
 
 /* map_run.c: all tiles that are missing, in threads. As above. */
 int brdffit_cli_map_run(struct cli_map *map, size_t threads, double *seconds, size_t *texels);

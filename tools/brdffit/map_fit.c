@@ -10,6 +10,7 @@
 
 #include "interrupt.h"
 #include "map.h"
+#include "tell.h"
 #include "terms.h"
 
 /* Texels between two looks at whether somebody wants to stop: some
@@ -142,7 +143,7 @@ static int read_images(struct cli_map_worker *w, size_t first, size_t rows)
         int code = 0;
         if (array->dims < 2 || array->shape[0] != map->height || array->shape[1] != map->width ||
             depth != map->channels) {
-            fprintf(stderr, "brdffit: %s: the image changed while it was read\n", map->images[i]);
+            brdffit_cli_tell("brdffit: %s: the image changed while it was read\n", map->images[i]);
             code = CLI_EXIT_DATA;
         } else {
             code = read_rows(array, 0, first, rows, w->values + i * step, map->images[i]);
@@ -393,7 +394,19 @@ static int fit_each(struct cli_map_worker *w, size_t texels, const brdffit_texel
     return 0;
 }
 
-int brdffit_cli_map_tile(struct cli_map_worker *w, size_t tile, cli_map_tick tick, void *user)
+/* Of all that was read for a tile. */
+static uint64_t hash_tile(const struct cli_map_worker *w, size_t texels)
+{
+    const size_t vectors = w->map->samples * texels * 3;
+    uint64_t hash = brdffit_cli_map_hash(texels, w->values,
+                                         w->map->samples * texels * w->map->channels * sizeof(double));
+    hash = brdffit_cli_map_hash(hash, w->light, w->light != NULL ? vectors * sizeof(double) : 0);
+    hash = brdffit_cli_map_hash(hash, w->view, w->view != NULL ? vectors * sizeof(double) : 0);
+    hash = brdffit_cli_map_hash(hash, w->normal, w->normal != NULL ? texels * 3 * sizeof(double) : 0);
+    return brdffit_cli_map_hash(hash, w->mask, w->mask != NULL ? texels : 0);
+}
+
+int brdffit_cli_map_tile(struct cli_map_worker *w, size_t tile, int *stale, cli_map_tick tick, void *user)
 {
     const struct cli_map *const map = w->map;
     const size_t first = tile * map->tile_rows, rows = brdffit_cli_map_rows(map, tile), texels = rows * map->width;
@@ -403,6 +416,13 @@ int brdffit_cli_map_tile(struct cli_map_worker *w, size_t tile, cli_map_tick tic
     if (code != 0) {
         return code;
     }
+    const uint64_t data = hash_tile(w, texels);
+    uint64_t before;
+    const int kept = map->resumed > 0 && brdffit_cli_map_tile_data(map, tile, &before);
+    if (kept && before == data) {
+        return 0;
+    }
+    *stale = kept;
     memset(&counts, 0, sizeof counts);
     counts.bad_texel = UINT64_MAX;
     lay_out(map, w->out, texels, &results);
@@ -417,5 +437,5 @@ int brdffit_cli_map_tile(struct cli_map_worker *w, size_t tile, cli_map_tick tic
         counts.status[w->status[i]]++;
         note_bad(&counts, w, first * map->width, i);
     }
-    return brdffit_cli_map_keep_tile(map, tile, &counts, w->out, w->status);
+    return brdffit_cli_map_keep_tile(map, tile, data, &counts, w->out, w->status);
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "map.h"
+#include "tell.h"
 
 static int ends_with(const char *name, const char *end)
 {
@@ -123,12 +124,15 @@ int brdffit_cli_map_take_files(struct cli_map *map, struct cli_text *list, const
             *found = 1;
             (void)cut(&out, at, end, separator, column, &name, &length);
         } else if (!cut(&out, at, end, separator, column, &name, &length) || length == 0) {
-            fprintf(stderr, "brdffit: %s: line %zu: no file is named\n", path, number);
+            brdffit_cli_tell("brdffit: %s: line %zu: no file is named\n", path, number);
             code = CLI_EXIT_DATA;
         } else {
             code = add_image(map, folder != NULL ? folder : path, folder_length, name, length);
         }
         at = end + 1;
+    }
+    if (code == 0 && out.failed) {
+        code = brdffit_cli_no_memory();
     }
     if (*found && code == 0) {
         brdffit_cli_text_free(list);
@@ -156,7 +160,7 @@ int brdffit_cli_map_folder(struct cli_map *map, const char *folder)
     DIR *const stream = opendir(folder);
     int code = 0;
     if (stream == NULL) {
-        fprintf(stderr, "brdffit: %s: cannot open the folder (%s)\n", folder, strerror(errno));
+        brdffit_cli_tell("brdffit: %s: cannot open the folder (%s)\n", folder, strerror(errno));
         return CLI_EXIT_FAILURE;
     }
     for (const struct dirent *entry; code == 0 && (entry = readdir(stream)) != NULL;) {
@@ -166,7 +170,7 @@ int brdffit_cli_map_folder(struct cli_map *map, const char *folder)
     }
     (void)closedir(stream);
     if (code == 0 && map->samples == 0) {
-        fprintf(stderr, "brdffit: %s: there is no .pfm, .png or .npy in the folder\n", folder);
+        brdffit_cli_tell("brdffit: %s: there is no .pfm, .png or .npy in the folder\n", folder);
         code = CLI_EXIT_DATA;
     }
     if (code == 0) {
@@ -181,12 +185,13 @@ static int image_shape(struct cli_map *map, const char *path, size_t shape[3])
 {
     brdffit_array *array = NULL;
     if (ends_with(path, ".png")) {
+        brdffit_cli_map_watch(map, path);
         brdffit_cli_map_record(map, map->settings->srgb ? "sRGB image" : "image", path, NULL);
         return brdffit_cli_png_shape(path, shape);
     }
     int code = brdffit_cli_map_array(map, "image", path, &array);
     if (code == 0 && array->dims != 2 && array->dims != 3) {
-        fprintf(stderr, "brdffit: %s: an image has height x width x channels, or height x width\n", path);
+        brdffit_cli_tell("brdffit: %s: an image has height x width x channels, or height x width\n", path);
         code = CLI_EXIT_DATA;
     }
     if (code == 0) {
@@ -208,12 +213,12 @@ int brdffit_cli_map_images(struct cli_map *map)
             return code;
         }
         if (ends_with(path, ".png") != map->png) {
-            fprintf(stderr, "brdffit: %s: PNG and other images do not mix in a stack\n", path);
+            brdffit_cli_tell("brdffit: %s: PNG and other images do not mix in a stack\n", path);
             return CLI_EXIT_DATA;
         }
         if (i > 0 && memcmp(first, shape, sizeof first) != 0) {
-            fprintf(stderr, "brdffit: %s: it is %zu x %zu x %zu, and the first image, %s, is %zu x %zu x %zu\n", path,
-                    shape[0], shape[1], shape[2], map->images[0], first[0], first[1], first[2]);
+            brdffit_cli_tell("brdffit: %s: it is %zu x %zu x %zu, and the first image, %s, is %zu x %zu x %zu\n", path,
+                             shape[0], shape[1], shape[2], map->images[0], first[0], first[1], first[2]);
             return CLI_EXIT_DATA;
         }
     }

@@ -10,6 +10,7 @@
 #include "map.h"
 #include "reading.h"
 #include "slurp.h"
+#include "tell.h"
 #include "terms.h"
 
 /* Bytes of doubles that a tile of the default size has, about. */
@@ -28,28 +29,6 @@ void brdffit_cli_map_shape(struct cli_text *text, const brdffit_array *array)
     }
 }
 
-/* Size and time stand for the content, which may be larger than memory. */
-void brdffit_cli_map_record(struct cli_map *map, const char *role, const char *path, const brdffit_array *array)
-{
-    struct stat about;
-    const size_t start = map->identity.size;
-    if (stat(path, &about) != 0) {
-        memset(&about, 0, sizeof about);
-    }
-    brdffit_cli_text_printf(&map->identity, "%s %s: %lld bytes of %lld.%09ld", role, path, (long long)about.st_size,
-                            (long long)about.st_mtim.tv_sec, (long)about.st_mtim.tv_nsec);
-    if (array != NULL) {
-        brdffit_cli_text_printf(&map->identity, ", %c%d, ", array->kind, array->item_size);
-        brdffit_cli_map_shape(&map->identity, array);
-    }
-    for (size_t i = start; i < map->identity.size; i++) {
-        if (map->identity.data[i] == '\n') { /* of a name: a line of it could pass for an option */
-            map->identity.data[i] = ' ';
-        }
-    }
-    brdffit_cli_text_puts(&map->identity, "\n");
-}
-
 int brdffit_cli_map_array(struct cli_map *map, const char *role, const char *path, brdffit_array **array)
 {
     brdffit_error error = {0};
@@ -64,6 +43,7 @@ int brdffit_cli_map_array(struct cli_map *map, const char *role, const char *pat
     } else {
         member = NULL;
     }
+    brdffit_cli_map_watch(map, file);
     errno = 0;
     const brdffit_status status = brdffit_io_array_open(file, member, array, &error);
     if (status != BRDFFIT_OK) {
@@ -80,7 +60,7 @@ static int wrong_shape(const char *path, const brdffit_array *array, const char 
 {
     struct cli_text shape = {0};
     brdffit_cli_map_shape(&shape, array);
-    fprintf(stderr, "brdffit: %s: its shape is %s, and should be %s\n", path, brdffit_cli_text_string(&shape), wanted);
+    brdffit_cli_tell("brdffit: %s: its shape is %s, and should be %s\n", path, brdffit_cli_text_string(&shape), wanted);
     brdffit_cli_text_free(&shape);
     return CLI_EXIT_DATA;
 }
@@ -128,8 +108,8 @@ static int check_table(struct cli_map *map, const char *path)
 {
     const brdffit_samples *s = map->table->samples;
     if (s->count != map->table->rows) {
-        fprintf(stderr, "brdffit: %s: %zu of %zu lines have an empty field: a geometry needs every sample\n", path,
-                map->table->rows - s->count, map->table->rows);
+        brdffit_cli_tell("brdffit: %s: %zu of %zu lines have an empty field: a geometry needs every sample\n", path,
+                         map->table->rows - s->count, map->table->rows);
         return CLI_EXIT_DATA;
     }
     map->geometry = *s;
@@ -143,8 +123,11 @@ static int open_table(struct cli_map *map, const char *path, const char *folder,
     struct cli_text text = {0};
     brdffit_io_options io;
     brdffit_error error = {0};
+    brdffit_cli_map_watch(map, path);
     int code = brdffit_cli_slurp(&text, path);
     if (code == 0) {
+        brdffit_cli_map_record(map, "geometry", path, NULL);
+        brdffit_cli_map_record_content(map, "geometry", brdffit_cli_text_string(&text), text.size);
         code = brdffit_cli_map_take_files(map, &text, path, folder, files);
     }
     if (code == 0) {
@@ -161,7 +144,6 @@ static int open_table(struct cli_map *map, const char *path, const char *folder,
         }
         code = status == BRDFFIT_OK ? check_table(map, path) : brdffit_cli_status_exit(status);
     }
-    brdffit_cli_map_record(map, "geometry", path, NULL);
     brdffit_cli_text_free(&text);
     return code;
 }
@@ -200,6 +182,9 @@ static int open_vectors(struct cli_map *map, const char *role, const char *path,
         }
         for (size_t i = 3; code == 0 && single && i < 3 * map->samples; i++) {
             (*vectors)[i] = (*vectors)[i - 3];
+        }
+        if (code == 0) {
+            brdffit_cli_map_record_content(map, role, *vectors, 3 * map->samples * sizeof **vectors);
         }
     }
     brdffit_io_array_close(array);
@@ -269,15 +254,15 @@ static int check_words(const struct cli_settings *s)
 {
     const int from_list = s->geometry == NULL && is_text_table(s->files[0]);
     if (s->lights == NULL && s->geometry == NULL && !from_list) {
-        fprintf(stderr, "brdffit map: needs --geometry FILE.csv or --lights FILE.npy\n");
+        brdffit_cli_tell("brdffit map: needs --geometry FILE.csv or --lights FILE.npy\n");
     } else if (s->lights != NULL && (s->geometry != NULL || from_list)) {
-        fprintf(stderr, "brdffit map: the geometry is given twice, as a table and by --lights\n");
+        brdffit_cli_tell("brdffit map: the geometry is given twice, as a table and by --lights\n");
     } else if (s->views != NULL && s->lights == NULL) {
-        fprintf(stderr, "brdffit map: --views needs --lights\n");
+        brdffit_cli_tell("brdffit map: --views needs --lights\n");
     } else {
         return 0;
     }
-    fprintf(stderr, "Try 'brdffit map --help'.\n");
+    brdffit_cli_tell("Try 'brdffit map --help'.\n");
     return CLI_EXIT_USAGE;
 }
 
@@ -294,7 +279,7 @@ static int open_images_and_geometry(struct cli_map *map)
         return code;
     }
     if (list && !files) {
-        fprintf(stderr, "brdffit: %s: a list of images needs a column named file\n", path);
+        brdffit_cli_tell("brdffit: %s: a list of images needs a column named file\n", path);
         return CLI_EXIT_DATA;
     }
     if (list || folder) {
@@ -319,8 +304,8 @@ static int check_count(const struct cli_map *map)
     if (map->geometry.count == map->samples) {
         return 0;
     }
-    fprintf(stderr, "brdffit: %s: it has %zu samples, and the geometry of %s has %zu\n", s->files[0], map->samples,
-            s->geometry != NULL ? s->geometry : s->files[0], map->geometry.count);
+    brdffit_cli_tell("brdffit: %s: it has %zu samples, and the geometry of %s has %zu\n", s->files[0], map->samples,
+                     s->geometry != NULL ? s->geometry : s->files[0], map->geometry.count);
     return CLI_EXIT_DATA;
 }
 
@@ -341,7 +326,7 @@ static int check_build(const struct cli_map *map)
     if (status != BRDFFIT_ERR_UNSUPPORTED) {
         return 0;
     }
-    fprintf(stderr, "brdffit map: %s\n", brdffit_cli_message(&error));
+    brdffit_cli_tell("brdffit map: %s\n", brdffit_cli_message(&error));
     return CLI_EXIT_USAGE;
 }
 
@@ -360,7 +345,7 @@ static int make_plan(struct cli_map *map)
         }
         status = brdffit_plan_init(&map->geometry, &map->options, map->plan_memory, size, &map->plan, &error);
     } else if (brdffit_workspace_size(map->samples, map->channels, &map->options) == 0) {
-        fprintf(stderr, "brdffit: %s: more samples or channels than can be fitted\n", path);
+        brdffit_cli_tell("brdffit: %s: more samples or channels than can be fitted\n", path);
         return CLI_EXIT_DATA;
     }
     if (status != BRDFFIT_OK) {
@@ -441,7 +426,7 @@ int brdffit_cli_map_open(struct cli_map *map, const struct cli_settings *setting
     map->general = map->light_map != NULL || map->view_map != NULL || map->normal_map != NULL;
     map->geometry.channels = map->channels;
     if (map->normal_map != NULL && (map->geometry.form != BRDFFIT_FORM_DIRECTIONS || map->geometry.normal != NULL)) {
-        fprintf(stderr, "brdffit map: --normals needs directions without normals of their own\n");
+        brdffit_cli_tell("brdffit map: --normals needs directions without normals of their own\n");
         return CLI_EXIT_USAGE;
     }
     choose_tiles(map);
@@ -472,4 +457,6 @@ void brdffit_cli_map_close(struct cli_map *map)
     free(map->plan_memory);
     free(map->work);
     brdffit_cli_text_free(&map->identity);
+    brdffit_cli_text_free(&map->times);
+    brdffit_cli_map_forget_inputs(map);
 }

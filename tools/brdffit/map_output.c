@@ -17,6 +17,7 @@
 #include "lobes.h"
 #include "map.h"
 #include "output.h"
+#include "tell.h"
 #include "terms.h"
 #include "words.h"
 
@@ -112,7 +113,7 @@ static int load(struct writer *w, size_t tile, struct cli_map_counts *counts)
     if (brdffit_cli_map_load_tile(w->map, tile, counts, w->values, w->status) == 0) {
         return 0;
     }
-    fprintf(stderr, "brdffit: %s: tile %zu cannot be read again; repeat the command\n", w->map->work, tile);
+    brdffit_cli_tell("brdffit: %s: tile %zu cannot be read again; repeat the command\n", w->map->work, tile);
     return CLI_EXIT_FAILURE;
 }
 
@@ -237,7 +238,7 @@ static int write_file(struct writer *w, const char *name, const struct field *f,
     if (path == NULL) {
         return brdffit_cli_no_memory();
     }
-    int code = brdffit_cli_output_open(&output, path) != 0 ? CLI_EXIT_FAILURE : 0;
+    int code = brdffit_cli_output_replace(&output, path) != 0 ? CLI_EXIT_FAILURE : 0;
     if (code == 0) {
         code = channels == 0 ? stream_npy(w, f, to_file, &output)
                              : stream_pfm(w, f, first, step, channels, to_file, &output);
@@ -315,7 +316,7 @@ static int write_description(const struct writer *w)
     brdffit_cli_json_close(&json, '}');
     brdffit_cli_text_puts(&text, "\n");
     int code = path == NULL ? brdffit_cli_no_memory() : 0;
-    if (code == 0 && brdffit_cli_output_open(&output, path) != 0) {
+    if (code == 0 && brdffit_cli_output_replace(&output, path) != 0) {
         code = CLI_EXIT_FAILURE;
     } else if (code == 0 &&
                (brdffit_cli_output_write(&output, &text) != 0 || brdffit_cli_output_commit(&output) != 0)) {
@@ -336,7 +337,7 @@ static int move(const char *from, const char *to, const char *name)
     brdffit_cli_text_printf(&b, "%s/%s", to, name);
     int code = a.failed || b.failed ? brdffit_cli_no_memory() : 0;
     if (code == 0 && rename(a.data, b.data) != 0) {
-        fprintf(stderr, "brdffit: %s: cannot write (%s)\n", b.data, strerror(errno));
+        brdffit_cli_tell("brdffit: %s: cannot write (%s)\n", b.data, strerror(errno));
         code = CLI_EXIT_FAILURE;
     }
     brdffit_cli_text_free(&a);
@@ -350,7 +351,7 @@ static int move_all(const char *out, const char *target)
     DIR *const stream = opendir(out);
     int code = 0;
     if (stream == NULL) {
-        fprintf(stderr, "brdffit: %s: cannot open the folder (%s)\n", out, strerror(errno));
+        brdffit_cli_tell("brdffit: %s: cannot open the folder (%s)\n", out, strerror(errno));
         return CLI_EXIT_FAILURE;
     }
     for (const struct dirent *entry; code == 0 && (entry = readdir(stream)) != NULL;) {
@@ -362,16 +363,27 @@ static int move_all(const char *out, const char *target)
     return code;
 }
 
+/* One that is there already has to be one, and no link to another. */
+static int make_folder(const char *path)
+{
+    struct stat about;
+    if (mkdir(path, 0777) == 0) {
+        return 0;
+    }
+    const int error = errno;
+    if (error == EEXIST && lstat(path, &about) == 0 && S_ISDIR(about.st_mode)) {
+        return 0;
+    }
+    brdffit_cli_tell("brdffit: %s: cannot create the folder (%s)\n", path, strerror(error));
+    return CLI_EXIT_FAILURE;
+}
+
 static int write_folder(struct writer *w, const char *target)
 {
     const int pfm = w->map->settings->map_format == CLI_MAP_PFM;
     char name[64];
     char *const out = brdffit_cli_map_path(w->map, "out");
-    int code = out == NULL ? brdffit_cli_no_memory() : 0;
-    if (code == 0 && mkdir(out, 0777) != 0 && errno != EEXIST) {
-        fprintf(stderr, "brdffit: %s: cannot create the folder (%s)\n", out, strerror(errno));
-        code = CLI_EXIT_FAILURE;
-    }
+    int code = out == NULL ? brdffit_cli_no_memory() : make_folder(out);
     for (size_t i = 0; code == 0 && i < w->count; i++) {
         (void)snprintf(name, sizeof name, "%s.npy", w->fields[i].name);
         code = pfm ? write_pfm(w, &w->fields[i]) : write_file(w, name, &w->fields[i], 0, 0, 0);
@@ -400,6 +412,12 @@ static int to_zip(void *user, const void *data, size_t size)
     return brdffit_io_zip_write(user, data, size) == BRDFFIT_OK ? 0 : -1;
 }
 
+/* What to_file() refused it has told. */
+static int zip_code(brdffit_status status)
+{
+    return status == BRDFFIT_OK ? 0 : status == BRDFFIT_ERR_MEMORY ? brdffit_cli_no_memory() : CLI_EXIT_FAILURE;
+}
+
 static int write_members(struct writer *w, brdffit_io_zip *zip)
 {
     for (size_t i = 0; i < w->count; i++) {
@@ -410,8 +428,8 @@ static int write_members(struct writer *w, brdffit_io_zip *zip)
         char name[64];
         (void)snprintf(name, sizeof name, "%s.npy", f->name);
         int code = stream_npy(w, f, to_checksum, &crc);
-        if (code == 0 && brdffit_io_zip_begin(zip, name, npy_start(w, f, header, &length), crc) != BRDFFIT_OK) {
-            code = CLI_EXIT_FAILURE;
+        if (code == 0) {
+            code = zip_code(brdffit_io_zip_begin(zip, name, npy_start(w, f, header, &length), crc));
         }
         if (code == 0) {
             code = stream_npy(w, f, to_zip, zip);

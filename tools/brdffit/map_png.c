@@ -18,9 +18,11 @@
 
 #include "map.h"
 #include "output.h"
+#include "tell.h"
 
 struct reader {
     const char *path;
+    int no_memory;
     FILE *file;
     png_structp png;
     png_infop info;
@@ -33,7 +35,11 @@ struct reader {
 static void on_error(png_structp png, png_const_charp message)
 {
     const struct reader *const r = png_get_error_ptr(png);
-    fprintf(stderr, "brdffit: %s: the PNG cannot be read: %s\n", r->path, message);
+    if (r->no_memory) {
+        (void)brdffit_cli_no_memory();
+    } else {
+        brdffit_cli_tell("brdffit: %s: the PNG cannot be read: %s\n", r->path, message);
+    }
     longjmp(png_jmpbuf(png), 1);
 }
 
@@ -41,6 +47,26 @@ static void on_warning(png_structp png, png_const_charp message)
 {
     (void)png;
     (void)message;
+}
+
+static void *take(png_structp png, png_alloc_size_t size)
+{
+    struct reader *const r = png_get_mem_ptr(png);
+    void *const block = malloc(size);
+    r->no_memory |= block == NULL;
+    return block;
+}
+
+static void release(png_structp png, void *block)
+{
+    (void)png;
+    free(block);
+}
+
+/* After a jump out of libpng. */
+static int broken_off(const struct reader *r)
+{
+    return r->no_memory ? CLI_EXIT_FAILURE : CLI_EXIT_DATA;
 }
 
 static void finish(struct reader *r)
@@ -60,16 +86,16 @@ static int begin(struct reader *r, const char *path)
     r->path = path;
     r->file = fopen(path, "rb");
     if (r->file == NULL) {
-        fprintf(stderr, "brdffit: %s: cannot open the file (%s)\n", path, strerror(errno));
+        brdffit_cli_tell("brdffit: %s: cannot open the file (%s)\n", path, strerror(errno));
         return CLI_EXIT_FAILURE;
     }
-    r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, r, on_error, on_warning);
+    r->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, r, on_error, on_warning, r, take, release);
     r->info = r->png != NULL ? png_create_info_struct(r->png) : NULL;
     if (r->info == NULL) {
         return brdffit_cli_no_memory();
     }
     if (setjmp(png_jmpbuf(r->png))) {
-        return CLI_EXIT_DATA;
+        return broken_off(r);
     }
     png_init_io(r->png, r->file);
     png_read_info(r->png, r->info);
@@ -112,7 +138,7 @@ static int read_pixels(struct reader *r)
         r->rows[y] = r->pixels + y * stride;
     }
     if (setjmp(png_jmpbuf(r->png))) {
-        return CLI_EXIT_DATA;
+        return broken_off(r);
     }
     png_read_image(r->png, (png_bytepp)r->rows);
     png_read_end(r->png, NULL);
@@ -160,11 +186,11 @@ static int unpack_one(const struct cli_map *map, const char *path, const float c
     struct reader r;
     int code = begin(&r, path);
     if (code == 0 && (r.height != map->height || r.width != map->width || r.channels != map->channels)) {
-        fprintf(stderr, "brdffit: %s: the image changed while it was read\n", path);
+        brdffit_cli_tell("brdffit: %s: the image changed while it was read\n", path);
         code = CLI_EXIT_DATA;
     }
     if (code == 0 && r.bits == 16 && map->settings->srgb) {
-        fprintf(stderr, "brdffit: %s: --srgb is for 8-bit images, and this one has 16\n", path);
+        brdffit_cli_tell("brdffit: %s: --srgb is for 8-bit images, and this one has 16\n", path);
         code = CLI_EXIT_DATA;
     }
     if (code == 0) {
@@ -175,6 +201,17 @@ static int unpack_one(const struct cli_map *map, const char *path, const float c
     }
     finish(&r);
     return code;
+}
+
+static int open_unpacked(struct cli_map *map, const char *path)
+{
+    brdffit_error error = {0};
+    errno = 0;
+    const brdffit_status status = brdffit_io_array_open(path, NULL, &map->stack, &error);
+    if (status != BRDFFIT_OK) {
+        brdffit_cli_report_error(path, &error, NULL, errno);
+    }
+    return brdffit_cli_status_exit(status);
 }
 
 int brdffit_cli_png_unpack(struct cli_map *map)
@@ -188,7 +225,7 @@ int brdffit_cli_png_unpack(struct cli_map *map)
     if (path == NULL) {
         return brdffit_cli_no_memory();
     }
-    int code = brdffit_cli_output_open(&output, path) != 0 ? CLI_EXIT_FAILURE : 0;
+    int code = brdffit_cli_output_replace(&output, path) != 0 ? CLI_EXIT_FAILURE : 0;
     if (code == 0) {
         brdffit_cli_text_add(&head, (const char *)header, brdffit_io_npy_header('f', 4, 4, shape, header));
         code = brdffit_cli_output_add(&output, &head) != 0 ? CLI_EXIT_FAILURE : 0;
@@ -203,13 +240,9 @@ int brdffit_cli_png_unpack(struct cli_map *map)
         }
     }
     brdffit_cli_text_free(&head);
-    struct cli_text ignored = map->identity; /* it is no input */
-    memset(&map->identity, 0, sizeof map->identity);
     if (code == 0) {
-        code = brdffit_cli_map_array(map, "unpacked", path, &map->stack);
+        code = open_unpacked(map, path);
     }
-    brdffit_cli_text_free(&map->identity);
-    map->identity = ignored;
     free(path);
     return code;
 }

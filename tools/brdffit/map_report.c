@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "map.h"
+#include "tell.h"
 #include "words.h"
 
 int brdffit_cli_map_is_npz(const char *path)
@@ -117,15 +118,14 @@ int brdffit_cli_map_finish(const struct cli_map *map, const struct cli_map_count
     const uint64_t unusable = counts->status[BRDFFIT_TEXEL_BAD_VALUE] + counts->status[BRDFFIT_TEXEL_REFUSED] +
                               counts->status[CLI_TEXEL_NO_SAMPLES];
     if (counts->bad_texel != UINT64_MAX) {
-        fprintf(stderr,
-                "brdffit: %s: %llu texel%s with a bad value; the first: row %llu, column %llu, sample %llu, channel "
-                "%llu, all from 0\n",
-                map->settings->files[0], (unsigned long long)counts->status[BRDFFIT_TEXEL_BAD_VALUE],
-                counts->status[BRDFFIT_TEXEL_BAD_VALUE] == 1 ? "" : "s",
-                (unsigned long long)(counts->bad_texel / map->width),
-                (unsigned long long)(counts->bad_texel % map->width),
-                (unsigned long long)(counts->bad_where / map->channels),
-                (unsigned long long)(counts->bad_where % map->channels));
+        brdffit_cli_tell(
+            "brdffit: %s: %llu texel%s with a bad value; the first: row %llu, column %llu, sample %llu, channel "
+            "%llu, all from 0\n",
+            map->settings->files[0], (unsigned long long)counts->status[BRDFFIT_TEXEL_BAD_VALUE],
+            counts->status[BRDFFIT_TEXEL_BAD_VALUE] == 1 ? "" : "s",
+            (unsigned long long)(counts->bad_texel / map->width), (unsigned long long)(counts->bad_texel % map->width),
+            (unsigned long long)(counts->bad_where / map->channels),
+            (unsigned long long)(counts->bad_where % map->channels));
     }
     if (unusable > 0) {
         return CLI_EXIT_DATA;

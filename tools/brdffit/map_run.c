@@ -15,12 +15,15 @@
 #include "job.h"
 #include "map.h"
 #include "progress.h"
+#include "tell.h"
 
 struct pool {
     const struct cli_map *map;
     pthread_mutex_t mutex; /* guards what follows */
     pthread_cond_t changed;
-    unsigned char *done;   /* a tile each: there, or taken */
+    unsigned char *done;   /* a tile each: another part's */
+    unsigned char *kept;   /* a tile each: there, when its data are still the same */
+    size_t stale;          /* kept tiles that had to be fitted again */
     size_t next, running;
     size_t texels;         /* fitted in this run */
     int code;              /* the worst so far */
@@ -69,7 +72,11 @@ static void *work(void *user)
     struct cli_map_worker *const worker = brdffit_cli_map_worker(p->map);
     int code = worker == NULL ? brdffit_cli_no_memory() : 0;
     for (size_t tile; code == 0 && take(p, &tile);) {
-        code = brdffit_cli_map_tile(worker, tile, tick, p);
+        int stale = 0;
+        code = brdffit_cli_map_tile(worker, tile, &stale, tick, p);
+        pthread_mutex_lock(&p->mutex);
+        p->stale += stale > 0;
+        pthread_mutex_unlock(&p->mutex);
     }
     brdffit_cli_map_worker_free(worker);
     pthread_mutex_lock(&p->mutex);
@@ -107,10 +114,8 @@ static size_t texels_missing(const struct pool *p, size_t *tiles)
 {
     size_t texels = 0;
     for (size_t tile = 0; tile < p->map->tiles; tile++) {
-        if (!p->done[tile]) {
-            texels += brdffit_cli_map_rows(p->map, tile) * p->map->width;
-            ++*tiles;
-        }
+        texels += p->done[tile] || p->kept[tile] ? 0 : brdffit_cli_map_rows(p->map, tile) * p->map->width;
+        *tiles += !p->done[tile];
     }
     return texels;
 }
@@ -152,10 +157,14 @@ static int run(struct pool *p, size_t threads, size_t *texels)
     }
     free(ids);
     if (started == 0 && threads > 0) {
-        fprintf(stderr, "brdffit: no thread can be started\n");
+        brdffit_cli_tell("brdffit: no thread can be started\n");
         return CLI_EXIT_FAILURE;
     }
     *texels = p->texels;
+    if (p->stale > 0) {
+        brdffit_cli_tell("brdffit: %zu kept tile%s of other data than the files have now, and fitted again\n", p->stale,
+                         p->stale == 1 ? " was" : "s were");
+    }
     return p->code != 0 ? p->code : brdffit_cli_interrupted() ? -1 : 0;
 }
 
@@ -164,19 +173,21 @@ int brdffit_cli_map_run(struct cli_map *map, size_t threads, double *seconds, si
     struct pool p;
     memset(&p, 0, sizeof p);
     p.map = map;
-    p.done = calloc(map->tiles, 1);
+    p.done = calloc(map->tiles, 2);
     if (p.done == NULL) {
         return brdffit_cli_no_memory();
     }
+    p.kept = p.done + map->tiles;
     for (size_t tile = 0; tile < map->tiles; tile++) {
-        const int others = tile % map->settings->shard_count != map->settings->shard_index;
-        p.done[tile] = (unsigned char)(others || (map->resumed > 0 && brdffit_cli_map_has_tile(map, tile)));
+        p.done[tile] = tile % map->settings->shard_count != map->settings->shard_index;
+        p.kept[tile] = (unsigned char)(!p.done[tile] && map->resumed > 0 && brdffit_cli_map_has_tile(map, tile));
     }
     (void)pthread_mutex_init(&p.mutex, NULL);
     (void)pthread_cond_init(&p.changed, NULL);
     const double began = brdffit_cli_clock();
     const int code = run(&p, threads, texels);
     *seconds = brdffit_cli_clock() - began;
+    map->resumed -= p.stale < map->resumed ? p.stale : map->resumed;
     (void)pthread_cond_destroy(&p.changed);
     (void)pthread_mutex_destroy(&p.mutex);
     free(p.done);

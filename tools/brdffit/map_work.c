@@ -1,7 +1,8 @@
 /* map_work.c: the folder that an unfinished run leaves beside its output, so
  * that the next one can go on. SPDX-License-Identifier: MIT
  *
- *     manifest    what is fitted and how: a run that differs may not go on
+ *     manifest    what is fitted and how: a run that differs may not go on; and the files' times, in which only parts
+ *                 have to agree, as each tile knows the data that it was fitted to
  *     lock        locked by the process that works here, if one does
  *     tile-N      rows of maps: header, counts, values, statuses, checksum
  *     images.npy  PNG, unpacked
@@ -9,7 +10,10 @@
  *
  * A tile is written under another name, synced and renamed: it is there whole
  * or not at all, whenever the process or the machine ends. One that is
- * damaged all the same, or of another run, is fitted again. */
+ * damaged all the same, of another run, or of other data, is fitted again.
+ *
+ * The folder may be where others write, too (/tmp): it has to be a folder, not a link to one, and this user's; what is
+ * written in it is a new file each time, whatever stands under its name, and no link is followed. */
 #define _POSIX_C_SOURCE 200809L
 #include <dirent.h>
 #include <errno.h>
@@ -23,18 +27,12 @@
 #include "map.h"
 #include "output.h"
 #include "slurp.h"
-
-struct tile_header {
-    char magic[8];
-    uint64_t key, tile, texels, depth;
-    struct cli_map_counts counts;
-};
-
-static const char tile_magic[8] = "BRDFTIL1";
+#include "tell.h"
+#include "temporary.h"
 
 static int complain(const char *path, const char *what)
 {
-    fprintf(stderr, "brdffit: %s: %s (%s)\n", path, what, strerror(errno));
+    brdffit_cli_tell("brdffit: %s: %s (%s)\n", path, what, strerror(errno));
     return CLI_EXIT_FAILURE;
 }
 
@@ -53,6 +51,7 @@ static void write_manifest(const struct cli_map *map, struct cli_text *text)
 {
     brdffit_cli_text_printf(text, "brdffit map 1, version %s\n", brdffit_version());
     brdffit_cli_text_puts(text, brdffit_cli_text_string(&map->identity));
+    brdffit_cli_text_puts(text, brdffit_cli_text_string(&map->times));
     brdffit_cli_record_options(text, &map->options);
     brdffit_cli_text_printf(text, "--values %s\n--tile %zu\n",
                             brdffit_cli_choice_name(brdffit_cli_quantity_choices, (int)map->geometry.quantity),
@@ -61,26 +60,54 @@ static void write_manifest(const struct cli_map *map, struct cli_text *text)
                             map->channels, map->settings->files[0]);
 }
 
-/* The first line in which the two differ. */
-static int refuse(const struct cli_map *map, const char *before, const char *now)
+static const char time_line[] = "time of ";
+
+static int is_time(const char *line)
 {
-    size_t b = 0, n = 0;
-    while ((b = strcspn(before, "\n")) == (n = strcspn(now, "\n")) && memcmp(before, now, b) == 0 && before[b] &&
-           now[n]) {
-        before += b + 1;
-        now += n + 1;
+    return strncmp(line, time_line, strlen(time_line)) == 0;
+}
+
+uint64_t brdffit_cli_map_key(const char *manifest)
+{
+    uint64_t key = 1;
+    while (*manifest != '\0') {
+        const size_t length = strcspn(manifest, "\n");
+        key = is_time(manifest) ? key : brdffit_cli_map_hash(key, manifest, length);
+        manifest += length + (manifest[length] != '\0');
     }
-    fprintf(stderr,
-            "brdffit: %s holds an unfinished run that differs:\n  then: %.*s\n  now:  %.*s\n"
-            "Repeat its options to go on with it, or start over with --fresh.\n",
-            map->work, (int)b, before, (int)n, now);
+    return key;
+}
+
+/* The first line in which the two differ, in `before` and `now`; with `times`, of those too. 0: none. */
+static int differ(const char **before, const char **now, int times)
+{
+    while (**before != '\0' || **now != '\0') {
+        const size_t b = strcspn(*before, "\n"), n = strcspn(*now, "\n");
+        if ((b != n || memcmp(*before, *now, b) != 0) && (times || !is_time(*before) || !is_time(*now))) {
+            return 1;
+        }
+        *before += b + ((*before)[b] != '\0');
+        *now += n + ((*now)[n] != '\0');
+    }
+    return 0;
+}
+
+/* Parts that were fitted to files of different times are not put together unseen: nobody reads the files then. */
+static int compare(const struct cli_map *map, const char *before, const char *now)
+{
+    if (!differ(&before, &now, map->settings->shard != NULL)) {
+        return 0;
+    }
+    brdffit_cli_tell("brdffit: %s holds an unfinished run that differs:\n  then: %.*s\n  now:  %.*s\n"
+                     "Repeat its options to go on with it, or start over with --fresh.\n",
+                     map->work, (int)strcspn(before, "\n"), before, (int)strcspn(now, "\n"), now);
     return CLI_EXIT_USAGE;
 }
 
 static int put_manifest(const char *path, const struct cli_text *text)
 {
     struct cli_output output;
-    if (brdffit_cli_output_open(&output, path) != 0) {
+    if (brdffit_cli_output_replace(&output, path) != 0) {
         return CLI_EXIT_FAILURE;
     }
     if (brdffit_cli_output_write(&output, text) != 0) {
@@ -97,17 +124,18 @@ static int check_manifest(struct cli_map *map)
     char *const path = brdffit_cli_map_path(map, "manifest");
     int code = 0;
     write_manifest(map, &now);
-    if (path == NULL || now.failed || map->identity.failed) {
+    if (path == NULL || now.failed || map->identity.failed || map->times.failed) {
         code = brdffit_cli_no_memory();
-    } else if (stat(path, &about) != 0) {
-        code = put_manifest(path, &now);
-    } else {
+    } else if (lstat(path, &about) == 0) {
         code = brdffit_cli_slurp(&before, path);
-        if (code == 0 && strcmp(brdffit_cli_text_string(&before), now.data) != 0) {
-            code = refuse(map, brdffit_cli_text_string(&before), now.data);
+        if (code == 0) {
+            code = compare(map, brdffit_cli_text_string(&before), now.data);
         }
     }
-    map->key = brdffit_cli_text_hash(&now);
+    if (code == 0 && strcmp(brdffit_cli_text_string(&before), now.data) != 0) {
+        code = put_manifest(path, &now);
+    }
+    map->key = brdffit_cli_map_key(brdffit_cli_text_string(&now));
     free(path);
     brdffit_cli_text_free(&now);
     brdffit_cli_text_free(&before);
@@ -119,7 +147,7 @@ static int check_manifest(struct cli_map *map)
 static int is_ours(const char *name)
 {
     return strncmp(name, "tile-", 5) == 0 || strcmp(name, "manifest") == 0 || strcmp(name, "images.npy") == 0 ||
-           strncmp(name, ".brdffit-", 9) == 0 || strncmp(name, ".tile-", 6) == 0;
+           strncmp(name, ".brdffit-", 9) == 0;
 }
 
 /* Remove what a run leaves in `folder`, and no more: everything of ours, or
@@ -161,10 +189,10 @@ static int take_lock(struct cli_map *map)
     memset(&lock, 0, sizeof lock);
     lock.l_type = map->settings->shard != NULL ? F_RDLCK : F_WRLCK; /* parts may work side by side */
     lock.l_whence = SEEK_SET;
-    map->lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    map->lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     int code = map->lock < 0 ? complain(path, "cannot create the lock") : 0;
     if (code == 0 && fcntl(map->lock, F_SETLK, &lock) != 0) {
-        fprintf(stderr, "brdffit: %s: another brdffit map is at work on this output\n", map->work);
+        brdffit_cli_tell("brdffit: %s: another brdffit map is at work on this output\n", map->work);
         code = CLI_EXIT_FAILURE;
     }
     free(path);
@@ -182,6 +210,29 @@ static int name_work(struct cli_map *map, const char *target)
     return 0;
 }
 
+/* Whose files would be read and replaced there? */
+static int check_folder(const struct cli_map *map)
+{
+    struct stat about;
+    const char *what = NULL;
+    if (lstat(map->work, &about) != 0) {
+        return complain(map->work, "cannot use the work folder");
+    }
+    if (S_ISLNK(about.st_mode)) {
+        what = "it is a link";
+    } else if (!S_ISDIR(about.st_mode)) {
+        what = "it is no folder";
+    } else if (about.st_uid != geteuid()) {
+        what = "it belongs to another user";
+    }
+    if (what == NULL) {
+        return 0;
+    }
+    brdffit_cli_tell("brdffit: %s: %s, and no work folder of yours: remove it, or choose another --output\n", map->work,
+                     what);
+    return CLI_EXIT_FAILURE;
+}
+
 int brdffit_cli_map_reopen(struct cli_map *map, const char *target)
 {
     struct stat about;
@@ -190,13 +241,13 @@ int brdffit_cli_map_reopen(struct cli_map *map, const char *target)
         return code;
     }
     if (stat(map->work, &about) != 0 || !S_ISDIR(about.st_mode)) {
-        fprintf(stderr,
-                "brdffit merge: there is no %s: no part of 'brdffit map --shard' was done, or the maps are "
-                "together already\n",
-                map->work);
+        brdffit_cli_tell("brdffit merge: there is no %s: no part of 'brdffit map --shard' was done, or the maps are "
+                         "together already\n",
+                         map->work);
         return CLI_EXIT_FAILURE;
     }
-    return take_lock(map);
+    const int ours = check_folder(map);
+    return ours != 0 ? ours : take_lock(map);
 }
 
 int brdffit_cli_map_begin(struct cli_map *map, const char *target)
@@ -208,10 +259,18 @@ int brdffit_cli_map_begin(struct cli_map *map, const char *target)
     if (mkdir(map->work, 0777) != 0 && errno != EEXIST) {
         return complain(map->work, "cannot create the work folder");
     }
-    code = take_lock(map);
+    code = check_folder(map);
+    if (code == 0) {
+        code = take_lock(map);
+    }
     if (code != 0) {
         return code;
     }
+    char *const inside = brdffit_cli_map_path(map, "");
+    if (inside != NULL) {
+        brdffit_cli_sweep(inside);
+    }
+    free(inside);
     if (map->settings->fresh) {
         clear(map);
     }
@@ -231,111 +290,4 @@ void brdffit_cli_map_forget(struct cli_map *map)
     }
     free(path);
     (void)rmdir(map->work);
-}
-
-/* ---- Tiles ------------------------------------------------------------- */
-
-static char *tile_path(const struct cli_map *map, const char *format, size_t tile)
-{
-    char name[64];
-    (void)snprintf(name, sizeof name, format, tile);
-    return brdffit_cli_map_path(map, name);
-}
-
-static void describe_tile(const struct cli_map *map, size_t tile, struct tile_header *header)
-{
-    memset(header, 0, sizeof *header);
-    memcpy(header->magic, tile_magic, sizeof header->magic);
-    header->key = map->key;
-    header->tile = tile;
-    header->texels = brdffit_cli_map_rows(map, tile) * map->width;
-    header->depth = brdffit_cli_map_depth(map);
-}
-
-static int put(FILE *file, const void *data, size_t size, unsigned long *crc)
-{
-    *crc = brdffit_io_crc32(*crc, data, size);
-    return fwrite(data, 1, size, file) == size ? 0 : -1;
-}
-
-static int get(FILE *file, void *data, size_t size, unsigned long *crc)
-{
-    if (fread(data, 1, size, file) != size) {
-        return -1;
-    }
-    *crc = brdffit_io_crc32(*crc, data, size);
-    return 0;
-}
-
-int brdffit_cli_map_keep_tile(const struct cli_map *map, size_t tile, const struct cli_map_counts *counts,
-                              const double *values, const unsigned char *status)
-{
-    struct tile_header header;
-    unsigned long crc = 0;
-    char *const temporary = tile_path(map, ".tile-%zu", tile), *const path = tile_path(map, "tile-%zu", tile);
-    int code = temporary == NULL || path == NULL ? brdffit_cli_no_memory() : 0;
-    FILE *const file = code == 0 ? fopen(temporary, "wb") : NULL;
-    describe_tile(map, tile, &header);
-    header.counts = *counts;
-    if (code == 0 && file == NULL) {
-        code = complain(temporary, "cannot write");
-    }
-    if (code == 0) {
-        int failed = put(file, &header, sizeof header, &crc) ||
-                     put(file, values, header.texels * header.depth * sizeof *values, &crc) ||
-                     put(file, status, header.texels, &crc);
-        const uint64_t sum = crc;
-        failed = failed || fwrite(&sum, sizeof sum, 1, file) != 1 || fflush(file) != 0 || fsync(fileno(file)) != 0;
-        if (fclose(file) != 0 || failed || rename(temporary, path) != 0) {
-            code = complain(path, "cannot write");
-            (void)unlink(temporary);
-        }
-    }
-    free(temporary);
-    free(path);
-    return code;
-}
-
-int brdffit_cli_map_load_tile(const struct cli_map *map, size_t tile, struct cli_map_counts *counts, double *values,
-                              unsigned char *status)
-{
-    struct tile_header header, wanted;
-    unsigned long crc = 0;
-    uint64_t sum = 0;
-    char *const path = tile_path(map, "tile-%zu", tile);
-    FILE *const file = path != NULL ? fopen(path, "rb") : NULL;
-    free(path);
-    if (file == NULL) {
-        return -1;
-    }
-    describe_tile(map, tile, &wanted);
-    const size_t doubles = wanted.texels * wanted.depth * sizeof *values;
-    const int failed = get(file, &header, sizeof header, &crc) ||
-                       memcmp(&header, &wanted, offsetof(struct tile_header, counts)) != 0 ||
-                       get(file, values, doubles, &crc) || get(file, status, wanted.texels, &crc) ||
-                       fread(&sum, sizeof sum, 1, file) != 1 || sum != crc || fgetc(file) != EOF;
-    (void)fclose(file);
-    if (!failed && counts != NULL) {
-        *counts = header.counts;
-    }
-    return failed ? -1 : 0;
-}
-
-int brdffit_cli_map_has_tile(const struct cli_map *map, size_t tile)
-{
-    struct stat about;
-    const size_t texels = brdffit_cli_map_rows(map, tile) * map->width;
-    char *const path = tile_path(map, "tile-%zu", tile);
-    const int there = path != NULL && stat(path, &about) == 0;
-    free(path);
-    if (!there) {
-        return 0;
-    }
-    double *const values = malloc(texels * brdffit_cli_map_depth(map) * sizeof *values);
-    unsigned char *const status = malloc(texels);
-    const int good = values != NULL && status != NULL &&
-                     brdffit_cli_map_load_tile(map, tile, NULL, values, status) == 0;
-    free(values);
-    free(status);
-    return good;
 }

@@ -14,4 +14,9 @@ int brdffit_cli_merge_fits(const struct cli_settings *settings);
  * folder. The exit code, as above. */
 int brdffit_cli_merge_map(struct cli_settings *settings, const char *target);
 
+struct cli_map;
+
+/* What a manifest of `size` bytes says; 0 when it is damaged. Map and settings go on pointing into it. */
+int brdffit_cli_parse_manifest(struct cli_map *map, struct cli_settings *settings, char *manifest, size_t size);
+
 #endif

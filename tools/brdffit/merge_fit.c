@@ -5,15 +5,16 @@
  * files of their own, or one stream of lines as GNU parallel collects them. */
 #include "merge.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "failure.h"
+#include "json_parse.h"
 #include "output.h"
 #include "shard.h"
 #include "slurp.h"
+#include "tell.h"
 
 struct entry {
     const char *line;  /* ends with a NUL */
@@ -35,7 +36,7 @@ struct merger {
 static int refuse(const struct merger *m, size_t source, size_t row, const char *what)
 {
     const char *const path = m->settings->files[source];
-    fprintf(stderr, "brdffit merge: %s: line %zu: %s\n", strcmp(path, "-") == 0 ? "standard input" : path, row, what);
+    brdffit_cli_tell("brdffit merge: %s: line %zu: %s\n", strcmp(path, "-") == 0 ? "standard input" : path, row, what);
     return CLI_EXIT_DATA;
 }
 
@@ -125,6 +126,9 @@ static int read_line(struct merger *m, const char *line, size_t source, size_t r
     struct entry e = {line, 0, 0, 0, source, row};
     const char *why;
     e.length = brdffit_cli_shard_read(line, &shard, &e.position, &why);
+    if (why == brdffit_cli_shard_memory) {
+        return brdffit_cli_no_memory();
+    }
     if (why != NULL) {
         return refuse(m, source, row, why);
     }
@@ -133,7 +137,12 @@ static int read_line(struct merger *m, const char *line, size_t source, size_t r
     if (code != 0) {
         return code;
     }
-    cJSON *const object = cJSON_Parse(line);
+    const char *end;
+    int no_memory;
+    cJSON *const object = brdffit_cli_json_parse(line, strlen(line) + 1, &end, &no_memory);
+    if (no_memory) {
+        return brdffit_cli_no_memory();
+    }
     code = exit_of(m, object);
     cJSON_Delete(object);
     if (code < 0) {
@@ -185,10 +194,10 @@ static int check_once(const struct merger *m)
         if (one->position != other->position) {
             continue;
         }
-        fprintf(stderr,
-                "brdffit merge: file %zu of the run, in part %zu/%zu, is there twice: %s, line %zu, and %s, line %zu\n",
-                one->position, one->part, m->run.of, m->settings->files[one->source], one->row,
-                m->settings->files[other->source], other->row);
+        brdffit_cli_tell(
+            "brdffit merge: file %zu of the run, in part %zu/%zu, is there twice: %s, line %zu, and %s, line %zu\n",
+            one->position, one->part, m->run.of, m->settings->files[one->source], one->row,
+            m->settings->files[other->source], other->row);
         return CLI_EXIT_DATA;
     }
     return 0;
@@ -212,7 +221,7 @@ static int check_all(struct merger *m)
     if (m->count == m->run.files) {
         return 0;
     }
-    fprintf(stderr, "brdffit merge: %zu of %zu files are missing:", m->run.files - m->count, m->run.files);
+    brdffit_cli_tell("brdffit merge: %zu of %zu files are missing:", m->run.files - m->count, m->run.files);
     qsort(m->entries, m->count, sizeof *m->entries, by_part);
     size_t shown = 0, at = 0;
     for (size_t part = 1; part <= m->run.of && part <= m->run.files; part++) {
@@ -227,9 +236,9 @@ static int check_all(struct merger *m)
             fputs(", ...", stderr);
             break;
         }
-        fprintf(stderr, "%s part %zu/%zu", shown++ > 0 ? "," : "", part, m->run.of);
+        brdffit_cli_tell("%s part %zu/%zu", shown++ > 0 ? "," : "", part, m->run.of);
         if (at > first) {
-            fprintf(stderr, " (only %zu of %zu)", at - first, wanted);
+            brdffit_cli_tell(" (only %zu of %zu)", at - first, wanted);
         }
     }
     fputc('\n', stderr);
@@ -266,12 +275,12 @@ static int write_lines(const struct merger *m)
 static void summary(const struct merger *m)
 {
     if (m->not_begun > 0) {
-        fprintf(stderr, "brdffit merge: a part was interrupted; %zu file%s not begun\n", m->not_begun,
-                m->not_begun == 1 ? " was" : "s were");
+        brdffit_cli_tell("brdffit merge: a part was interrupted; %zu file%s not begun\n", m->not_begun,
+                         m->not_begun == 1 ? " was" : "s were");
     }
     if (!m->settings->quiet) {
-        fprintf(stderr, "brdffit: %zu file%s: %zu certified, %zu open, %zu failed\n", m->count,
-                m->count == 1 ? "" : "s", m->certified, m->open, m->failed);
+        brdffit_cli_tell("brdffit: %zu file%s: %zu certified, %zu open, %zu failed\n", m->count,
+                         m->count == 1 ? "" : "s", m->certified, m->open, m->failed);
     }
 }
 
@@ -285,7 +294,7 @@ static int merge(struct merger *m)
         return code;
     }
     if (m->count == 0) {
-        fprintf(stderr, "brdffit merge: there is no line of 'brdffit fit --json --shard' to merge\n");
+        brdffit_cli_tell("brdffit merge: there is no line of 'brdffit fit --json --shard' to merge\n");
         return CLI_EXIT_DATA;
     }
     qsort(m->entries, m->count, sizeof *m->entries, by_position);

@@ -13,6 +13,7 @@
 #include "lobes.h"
 #include "map.h"
 #include "slurp.h"
+#include "tell.h"
 #include "terms.h"
 
 /* ---- The manifest ------------------------------------------------------ */
@@ -89,7 +90,7 @@ static int parse_options(struct cli_settings *s, const char *options)
 }
 
 /* 1 when all is found. The name of the stack ends the manifest, whatever characters it has. */
-static int parse(struct cli_map *map, struct cli_settings *settings, char *manifest, size_t size)
+int brdffit_cli_parse_manifest(struct cli_map *map, struct cli_settings *settings, char *manifest, size_t size)
 {
     const char *const shape = after(manifest, "maps of"), *const options = after(manifest, "--lobes");
     const char *const tile = options != NULL ? after(options, "--tile") : NULL;
@@ -118,10 +119,10 @@ static int check_version(const char *manifest, const char *work)
             strncmp(manifest + strlen(start), brdffit_version(), (size_t)wanted) == 0) {
             return 0;
         }
-        fprintf(stderr, "brdffit merge: %s: its parts are of version %.*s, this is %s\n", work, wanted,
-                manifest + strlen(start), brdffit_version());
+        brdffit_cli_tell("brdffit merge: %s: its parts are of version %.*s, this is %s\n", work, wanted,
+                         manifest + strlen(start), brdffit_version());
     } else {
-        fprintf(stderr, "brdffit merge: %s: its manifest is not one of 'brdffit map'\n", work);
+        brdffit_cli_tell("brdffit merge: %s: its manifest is not one of 'brdffit map'\n", work);
     }
     return CLI_EXIT_DATA;
 }
@@ -135,9 +136,9 @@ static int read_manifest(struct cli_map *map, struct cli_settings *settings, str
     if (code == 0) {
         code = check_version(brdffit_cli_text_string(text), map->work);
     }
-    map->key = brdffit_cli_text_hash(text);
-    if (code == 0 && !parse(map, settings, text->data, text->size)) {
-        fprintf(stderr, "brdffit merge: %s: its manifest is damaged\n", map->work);
+    map->key = brdffit_cli_map_key(brdffit_cli_text_string(text));
+    if (code == 0 && !brdffit_cli_parse_manifest(map, settings, text->data, text->size)) {
+        brdffit_cli_tell("brdffit merge: %s: its manifest is damaged\n", map->work);
         code = CLI_EXIT_DATA;
     }
     return code;
@@ -156,15 +157,15 @@ static int check_tiles(const struct cli_map *map)
     if (missing == 0) {
         return 0;
     }
-    fprintf(stderr, "brdffit merge: %s: %zu of %zu tiles are missing or damaged:", map->work, missing, map->tiles);
+    brdffit_cli_tell("brdffit merge: %s: %zu of %zu tiles are missing or damaged:", map->work, missing, map->tiles);
     size_t shown = 0;
     for (size_t tile = 0; tile < map->tiles && shown < TILES_SHOWN; tile++) {
         if (!brdffit_cli_map_has_tile(map, tile)) {
-            fprintf(stderr, "%s %zu", shown++ > 0 ? "," : "", tile + 1);
+            brdffit_cli_tell("%s %zu", shown++ > 0 ? "," : "", tile + 1);
         }
     }
-    fprintf(stderr, "%s\nOf N parts, number I has the tiles I, I + N, I + 2 N ...: run those again.\n",
-            missing > shown ? ", ..." : "");
+    brdffit_cli_tell("%s\nOf N parts, number I has the tiles I, I + N, I + 2 N ...: run those again.\n",
+                     missing > shown ? ", ..." : "");
     return CLI_EXIT_DATA;
 }
 

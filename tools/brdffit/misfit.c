@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 
+#include "tell.h"
 #include "terms.h"
 
 /* Of x + sum of 4 y, beyond which a model reflects more than it receives; a little more, as fits of exact data round. */
@@ -123,7 +124,7 @@ static void say(const struct cli_job *job, struct cli_style style, struct cli_te
     for (char *tab = words->data; tab != NULL && *tab != '\0'; tab++) {
         *tab = *tab == '\t' ? ' ' : *tab;
     }
-    fprintf(stderr, "brdffit: %s: warning: %s\n", brdffit_cli_text_string(&line), brdffit_cli_text_string(words));
+    brdffit_cli_tell("brdffit: %s: warning: %s\n", brdffit_cli_text_string(&line), brdffit_cli_text_string(words));
     brdffit_cli_text_free(&line);
     brdffit_cli_text_clear(words);
 }

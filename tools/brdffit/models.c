@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "lobes.h"
+#include "tell.h"
 
 /* Masking, Fresnel, diffuse term: the library's when nobody says what, and what renderers show. */
 #define PLAIN BRDFFIT_FRESNEL_NONE, BRDFFIT_MASKING_V_CAVITY, BRDFFIT_DIFFUSE_LAMBERT
@@ -141,13 +142,12 @@ void brdffit_cli_use_model(const struct cli_model *model, brdffit_options *optio
 
 static void refuse(const char *command_name, const char *name)
 {
-    fprintf(
-        stderr,
+    brdffit_cli_tell(
         "brdffit %s: --model does not take '%s'; valid values: [N]DISTRIBUTION with + between, up to %d lobes, then "
         "/TERM, as 2beckmann or ggx/smith/schlick; or",
         command_name, name, BRDFFIT_MAX_LOBES);
     for (const struct cli_preset *p = brdffit_cli_presets; p->model.lobes > 0; p++) {
-        fprintf(stderr, "%s %s", p == brdffit_cli_presets ? "" : ",", p->model.name);
+        brdffit_cli_tell("%s %s", p == brdffit_cli_presets ? "" : ",", p->model.name);
     }
     fputc('\n', stderr);
 }

@@ -86,7 +86,7 @@ static struct powers powers(const brdffit_result *result, const brdffit_samples 
     return sums;
 }
 
-double brdffit_cli_effective_observations(const struct cli_job *job, const brdffit_options *options)
+double brdffit_cli_effective_observations(struct cli_job *job, const brdffit_options *options)
 {
     const brdffit_result *const result = job->result;
     const brdffit_samples *const samples = job->table->samples;
@@ -97,7 +97,11 @@ double brdffit_cli_effective_observations(const struct cli_job *job, const brdff
         return all;
     }
     double *const fitted = malloc(samples->count * samples->channels * sizeof *fitted);
-    if (fitted != NULL && brdffit_eval(result->model, samples, fitted, NULL) == BRDFFIT_OK) {
+    if (fitted == NULL) {
+        brdffit_cli_job_fail(job, BRDFFIT_ERR_MEMORY);
+        return all;
+    }
+    if (brdffit_eval(result->model, samples, fitted, NULL) == BRDFFIT_OK) {
         sums = powers(result, samples, options, fitted);
     }
     free(fitted);

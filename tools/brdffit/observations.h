@@ -17,8 +17,8 @@ size_t brdffit_cli_distinct_channels(const brdffit_result *result);
  *
  * as E r^4 = 3 (E r^2)^2 of a Gaussian. Noise in proportion to the signal leaves its mark in few bright samples, which then
  * decide alone. The observations where there is nothing to see: samples that were not kept (sums), fits that are exact to
- * the certificate, or no memory.
+ * the certificate. Without memory for it the job fails.
  */
-double brdffit_cli_effective_observations(const struct cli_job *job, const brdffit_options *options);
+double brdffit_cli_effective_observations(struct cli_job *job, const brdffit_options *options);
 
 #endif

@@ -11,11 +11,13 @@
 #include <unistd.h>
 
 #include "interrupt.h"
+#include "tell.h"
+#include "temporary.h"
 
 static int complain(const char *path, const char *what, int error)
 {
     if (error != EPIPE) {
-        fprintf(stderr, "brdffit: %s: %s: %s\n", path, what, strerror(error));
+        brdffit_cli_tell("brdffit: %s: %s: %s\n", path, what, strerror(error));
     }
     return -1;
 }
@@ -27,38 +29,14 @@ static char *resolve(const char *path)
     return resolved != NULL || errno != ENOENT ? resolved : strdup(path);
 }
 
-/* A new file beside `target`. O_EXCL, so never somebody else's. */
-static int open_beside(const char *target, mode_t mode, char **temporary)
+/* Into a new file beside output->target. A target that exists keeps its permissions. */
+static int open_temporary(struct cli_output *output, const struct stat *existing)
 {
-    const char *slash = strrchr(target, '/');
-    const size_t folder = slash == NULL ? 0 : (size_t)(slash - target) + 1;
-    const size_t size = folder + 64;
-    *temporary = malloc(size);
-    if (*temporary == NULL) {
-        return -1;
-    }
-    for (unsigned attempt = 0; attempt < 1000; attempt++) {
-        (void)snprintf(*temporary, size, "%.*s.brdffit-%ld-%u.tmp", (int)folder, target, (long)getpid(), attempt);
-        const int descriptor = open(*temporary, O_WRONLY | O_CREAT | O_EXCL, mode);
-        if (descriptor >= 0 || errno != EEXIST) {
-            return descriptor;
-        }
-    }
-    return -1;
-}
-
-/* A target that exists keeps its permissions. */
-static int open_temporary(struct cli_output *output, const char *path, const struct stat *existing)
-{
-    output->target = resolve(path);
-    if (output->target == NULL) {
-        return complain(path, "cannot write", errno);
-    }
-    const int descriptor = open_beside(output->target, 0666, &output->temporary);
+    const char *const path = output->shown;
+    brdffit_cli_sweep(output->target);
+    const int descriptor = brdffit_cli_temporary(output->target, 0666, &output->temporary);
     if (descriptor < 0) {
         const int error = errno;
-        free(output->temporary);
-        output->temporary = NULL;
         brdffit_cli_output_abandon(output);
         return complain(path, "cannot create a file beside it", error);
     }
@@ -76,6 +54,14 @@ static int open_temporary(struct cli_output *output, const char *path, const str
     return 0;
 }
 
+int brdffit_cli_output_replace(struct cli_output *output, const char *path)
+{
+    memset(output, 0, sizeof *output);
+    output->shown = path;
+    output->target = strdup(path);
+    return output->target == NULL ? complain(path, "cannot write", ENOMEM) : open_temporary(output, NULL);
+}
+
 int brdffit_cli_output_open(struct cli_output *output, const char *path)
 {
     memset(output, 0, sizeof *output);
@@ -88,7 +74,9 @@ int brdffit_cli_output_open(struct cli_output *output, const char *path)
     struct stat existing;
     const int exists = stat(path, &existing) == 0;
     if (!exists || S_ISREG(existing.st_mode)) {
-        return open_temporary(output, path, exists ? &existing : NULL);
+        output->target = resolve(path);
+        return output->target == NULL ? complain(path, "cannot write", errno)
+                                      : open_temporary(output, exists ? &existing : NULL);
     }
     if (S_ISDIR(existing.st_mode)) {
         return complain(path, "cannot write", EISDIR);
@@ -108,6 +96,7 @@ int brdffit_cli_output_add(struct cli_output *output, const struct cli_text *tex
     if (fwrite(text->data, 1, text->size, output->file) != text->size) {
         return complain(output->shown, "cannot write", errno);
     }
+    output->written = 1;
     return 0;
 }
 
@@ -133,31 +122,37 @@ static void sync_folder(const char *target)
     free(folder);
 }
 
+/* Renamed before it is closed: brdffit_cli_temporary() says why. What close() may still find was synced before. */
+static int put_in_place(struct cli_output *output)
+{
+    if (fflush(output->file) != 0) {
+        return -1;
+    }
+    if (output->temporary == NULL) {
+        return 0;
+    }
+    if (fsync(fileno(output->file)) != 0 || rename(output->temporary, output->target) != 0) {
+        return -1;
+    }
+    brdffit_cli_remove_on_signal(NULL);
+    sync_folder(output->target);
+    free(output->temporary);
+    output->temporary = NULL;
+    return 0;
+}
+
 int brdffit_cli_output_commit(struct cli_output *output)
 {
     if (output->file == stdout || output->file == NULL) {
         return 0;
     }
-    int failed = fflush(output->file) != 0;
-    if (!failed && output->temporary != NULL) {
-        failed = fsync(fileno(output->file)) != 0;
-    }
-    int error = errno;
+    const int empty = output->temporary != NULL && !output->written && !output->may_be_empty;
+    int failed = !empty && put_in_place(output) != 0, error = errno;
     if (fclose(output->file) != 0 && !failed) {
         failed = 1;
         error = errno;
     }
     output->file = NULL;
-    if (!failed && output->temporary != NULL && rename(output->temporary, output->target) != 0) {
-        failed = 1;
-        error = errno;
-    }
-    if (!failed && output->temporary != NULL) {
-        brdffit_cli_remove_on_signal(NULL);
-        sync_folder(output->target);
-        free(output->temporary);
-        output->temporary = NULL;
-    }
     const char *const shown = output->shown;
     brdffit_cli_output_abandon(output);
     return failed ? complain(shown, "cannot write", error) : 0;
@@ -165,12 +160,12 @@ int brdffit_cli_output_commit(struct cli_output *output)
 
 void brdffit_cli_output_abandon(struct cli_output *output)
 {
-    if (output->file != NULL && output->file != stdout) {
-        (void)fclose(output->file);
-    }
     if (output->temporary != NULL) {
         brdffit_cli_remove_on_signal(NULL);
         (void)unlink(output->temporary);
+    }
+    if (output->file != NULL && output->file != stdout) {
+        (void)fclose(output->file);
     }
     free(output->temporary);
     free(output->target);

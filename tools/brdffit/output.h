@@ -13,12 +13,17 @@ struct cli_output {
     char *target;    /* resolved path to rename to; NULL: nothing to rename */
     char *temporary; /* NULL once renamed or removed */
     const char *shown; /* the name for messages */
+    int written;       /* 1 once there was something to write */
+    int may_be_empty;  /* nothing to write is a result, too; else the target then stays as it was */
 };
 
 /* `path` NULL or "-": standard output. A target that exists and is no
  * regular file (a pipe, a device) is written directly. 0 on success,
  * otherwise the reason is on stderr. */
 int brdffit_cli_output_open(struct cli_output *output, const char *path);
+
+/* A file of this program's own, in its work folder: `path` itself is replaced, also where it is a link. */
+int brdffit_cli_output_replace(struct cli_output *output, const char *path);
 
 /* Write and flush. 0 on success; otherwise the reason is on stderr, save for
  * a reader that went away (EPIPE), which is no news to anybody. */
@@ -27,7 +32,7 @@ int brdffit_cli_output_write(struct cli_output *output, const struct cli_text *t
 /* The same without flushing, for long tables. */
 int brdffit_cli_output_add(struct cli_output *output, const struct cli_text *text);
 
-/* Finish: sync and rename. 0 on success. */
+/* Finish: sync and rename, when there was something to write. 0 on success. */
 int brdffit_cli_output_commit(struct cli_output *output);
 
 /* Give up: the target stays as it was. */

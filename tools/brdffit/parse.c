@@ -14,6 +14,7 @@
 #include "reading.h"
 #include "settings.h"
 #include "suggest.h"
+#include "tell.h"
 #include "terms.h"
 
 struct parser {
@@ -24,7 +25,7 @@ struct parser {
 
 static enum cli_parse usage(const struct parser *p)
 {
-    fprintf(stderr, "Try 'brdffit %s --help'.\n", p->command_name);
+    brdffit_cli_tell("Try 'brdffit %s --help'.\n", p->command_name);
     return CLI_PARSE_FAILED;
 }
 
@@ -45,11 +46,22 @@ int brdffit_cli_number(const char *text, double *value)
 
 /* ---- Names ------------------------------------------------------------- */
 
-static enum cli_parse unknown_option(const struct parser *p, const char *shown, const char *name)
+static const struct cli_option *find_long(const struct parser *p, const char *name, size_t length)
 {
     for (const struct cli_option *o = brdffit_cli_options; o->name != NULL; o++) {
+        if ((o->commands & p->command) && strlen(o->name) == length && strncmp(o->name, name, length) == 0) {
+            return o;
+        }
+    }
+    return NULL;
+}
+
+static enum cli_parse unknown_option(const struct parser *p, const char *shown, const char *name)
+{
+    for (const struct cli_option *o = brdffit_cli_options; o->name != NULL && find_long(p, name, strlen(name)) == NULL;
+         o++) {
         if (!o->hidden && strcmp(o->name, name) == 0) {
-            fprintf(stderr, "brdffit %s: --%s does not apply to '%s'\n", p->command_name, name, p->command_name);
+            brdffit_cli_tell("brdffit %s: --%s does not apply to '%s'\n", p->command_name, name, p->command_name);
             return usage(p);
         }
     }
@@ -59,22 +71,12 @@ static enum cli_parse unknown_option(const struct parser *p, const char *shown, 
             brdffit_cli_suggest(&near, name, o->name);
         }
     }
-    fprintf(stderr, "brdffit %s: unknown option '%s'", p->command_name, shown);
+    brdffit_cli_tell("brdffit %s: unknown option '%s'", p->command_name, shown);
     if (near.word != NULL) {
-        fprintf(stderr, "; did you mean '--%s'?", near.word);
+        brdffit_cli_tell("; did you mean '--%s'?", near.word);
     }
     fputc('\n', stderr);
     return usage(p);
-}
-
-static const struct cli_option *find_long(const struct parser *p, const char *name, size_t length)
-{
-    for (const struct cli_option *o = brdffit_cli_options; o->name != NULL; o++) {
-        if ((o->commands & p->command) && strlen(o->name) == length && strncmp(o->name, name, length) == 0) {
-            return o;
-        }
-    }
-    return NULL;
 }
 
 static const struct cli_option *find_short(const struct parser *p, char letter)
@@ -89,7 +91,7 @@ static const struct cli_option *find_short(const struct parser *p, char letter)
 
 /* ---- Values ------------------------------------------------------------ */
 
-static const struct cli_choice *choices_of(const struct cli_option *o)
+const struct cli_choice *brdffit_cli_choices_of(const struct cli_option *o)
 {
     return o->kind == CLI_DISTRIBUTION                        ? brdffit_cli_distribution_choices()
            : o->kind >= CLI_FRESNEL && o->kind <= CLI_MASKING ? brdffit_cli_term_choices(o->kind)
@@ -98,19 +100,19 @@ static const struct cli_choice *choices_of(const struct cli_option *o)
 
 static enum cli_parse bad_choice(const struct parser *p, const struct cli_option *o, const char *text)
 {
-    fprintf(stderr, "brdffit %s: --%s does not take '%s'; valid values:", p->command_name, o->name, text);
+    brdffit_cli_tell("brdffit %s: --%s does not take '%s'; valid values:", p->command_name, o->name, text);
     struct cli_suggestion near = {0};
     const char *separator = " ";
-    for (const struct cli_choice *c = choices_of(o); c->name != NULL; c++) {
+    for (const struct cli_choice *c = brdffit_cli_choices_of(o); c->name != NULL; c++) {
         brdffit_cli_suggest(&near, text, c->name);
         if (c->hidden) {
             continue;
         }
-        fprintf(stderr, "%s%s", separator, c->name);
+        brdffit_cli_tell("%s%s", separator, c->name);
         separator = ", ";
     }
     if (near.word != NULL) {
-        fprintf(stderr, "; did you mean '%s'?", near.word);
+        brdffit_cli_tell("; did you mean '%s'?", near.word);
     }
     fputc('\n', stderr);
     return usage(p);
@@ -118,16 +120,16 @@ static enum cli_parse bad_choice(const struct parser *p, const struct cli_option
 
 static enum cli_parse bad_number(const struct parser *p, const struct cli_option *o, const char *text)
 {
-    fprintf(stderr, "brdffit %s: --%s does not take '%s'; valid values: ", p->command_name, o->name, text);
+    brdffit_cli_tell("brdffit %s: --%s does not take '%s'; valid values: ", p->command_name, o->name, text);
     if (o->kind == CLI_COUNT) {
         fputs("whole numbers from 1", stderr);
     } else if (o->high >= 1e300) {
-        fprintf(stderr, "numbers %s %g", o->low_open ? "above" : "from", o->low);
+        brdffit_cli_tell("numbers %s %g", o->low_open ? "above" : "from", o->low);
     } else {
-        fprintf(stderr, "numbers %s %g %s %g", o->low_open ? "above" : "from", o->low, o->low_open ? "up to" : "to",
-                o->high);
+        brdffit_cli_tell("numbers %s %g %s %g", o->low_open ? "above" : "from", o->low, o->low_open ? "up to" : "to",
+                         o->high);
     }
-    fprintf(stderr, "%s\n", o->kind == CLI_DEGREES ? ", or off" : "");
+    brdffit_cli_tell("%s\n", o->kind == CLI_DEGREES ? ", or off" : "");
     return usage(p);
 }
 
@@ -171,7 +173,7 @@ static enum cli_parse set_value(const struct parser *p, const struct cli_option 
     case CLI_FRESNEL:
     case CLI_DIFFUSE:
     case CLI_MASKING:
-        for (const struct cli_choice *c = choices_of(o); c->name != NULL; c++) {
+        for (const struct cli_choice *c = brdffit_cli_choices_of(o); c->name != NULL; c++) {
             if (strcmp(c->name, text) == 0) {
                 *(int *)(void *)member = c->value;
                 return CLI_PARSED;
@@ -214,8 +216,12 @@ static enum cli_parse parse_option(const struct parser *p, int argc, char **argv
         }
     } else {
         option = find_short(p, given[1]);
-        if (option == NULL) {
-            return unknown_option(p, given, given + 1);
+        /* -output is not -o utput, but a slip. */
+        if (option == NULL || (given[2] != '\0' && find_long(p, given + 1, strcspn(given + 1, "=")) != NULL)) {
+            char name[64] = "";
+            const size_t length = strcspn(given + 1, "=");
+            memcpy(name, given + 1, length < sizeof name ? length : sizeof name - 1);
+            return unknown_option(p, given, name);
         }
         if (given[2] != '\0') {
             value = given + 2 + (given[2] == '=');
@@ -223,12 +229,12 @@ static enum cli_parse parse_option(const struct parser *p, int argc, char **argv
     }
     const int takes_value = option->kind != CLI_FLAG && option->kind != CLI_HELP;
     if (!takes_value && value != NULL) {
-        fprintf(stderr, "brdffit %s: --%s takes no value\n", p->command_name, option->name);
+        brdffit_cli_tell("brdffit %s: --%s takes no value\n", p->command_name, option->name);
         return usage(p);
     }
     if (takes_value && value == NULL) {
         if (*at + 1 >= argc) {
-            fprintf(stderr, "brdffit %s: --%s needs a value: %s\n", p->command_name, option->name, option->value);
+            brdffit_cli_tell("brdffit %s: --%s needs a value: %s\n", p->command_name, option->name, option->value);
             return usage(p);
         }
         value = argv[++*at];
@@ -278,8 +284,8 @@ static enum cli_parse check_output(const struct parser *p)
     }
     for (size_t i = 0; i < s->file_count; i++) {
         if (stat(s->files[i], &input) == 0 && input.st_dev == output.st_dev && input.st_ino == output.st_ino) {
-            fprintf(stderr, "brdffit %s: --output %s would replace the input %s\n", p->command_name, s->output,
-                    s->files[i]);
+            brdffit_cli_tell("brdffit %s: --output %s would replace the input %s\n", p->command_name, s->output,
+                             s->files[i]);
             return usage(p);
         }
     }
@@ -293,7 +299,7 @@ static enum cli_parse check_range(const struct parser *p, const char *name, doub
     const struct cli_settings *s = p->settings;
     int found = 0;
     if (!(low <= high)) {
-        fprintf(stderr, "brdffit %s: --%s-min %g is above --%s-max %g\n", p->command_name, name, low, name, high);
+        brdffit_cli_tell("brdffit %s: --%s-min %g is above --%s-max %g\n", p->command_name, name, low, name, high);
         return CLI_PARSE_FAILED;
     }
     for (int k = 0; k < s->lobes; k++) {
@@ -304,9 +310,10 @@ static enum cli_parse check_range(const struct parser *p, const char *name, doub
     }
     const char *parameter = brdffit_parameter_string(s->distributions[0]);
     const int named = s->lobes_given != NULL && strchr("123", s->lobes_given[0]) == NULL;
-    fprintf(stderr, "brdffit %s: --%s %s has no %s; its range is --%s-min to --%s-max\n", p->command_name,
-            named ? "lobes" : "distribution", named ? s->lobes_given : brdffit_distribution_string(s->distributions[0]),
-            name, parameter, parameter);
+    brdffit_cli_tell("brdffit %s: --%s %s has no %s; its range is --%s-min to --%s-max\n", p->command_name,
+                     named ? "lobes" : "distribution",
+                     named ? s->lobes_given : brdffit_distribution_string(s->distributions[0]), name, parameter,
+                     parameter);
     return CLI_PARSE_FAILED;
 }
 
@@ -331,14 +338,13 @@ static enum cli_parse check_verify(const struct parser *p)
     const int plain = strcmp(s->verify, "socp") == 0;
     if (!plain && !(strncmp(s->verify, "socp=", 5) == 0 && brdffit_cli_number(s->verify + 5, &s->verify_margin) &&
                     s->verify_margin >= 0 && s->verify_margin < 1)) {
-        fprintf(stderr,
-                "brdffit %s: --verify does not take '%s'; valid values: socp, or socp=X with X "
-                "from 0 to below 1\n",
-                p->command_name, s->verify);
+        brdffit_cli_tell("brdffit %s: --verify does not take '%s'; valid values: socp, or socp=X with X "
+                         "from 0 to below 1\n",
+                         p->command_name, s->verify);
         return usage(p);
     }
     if (s->norm != BRDFFIT_NORM_L2) {
-        fprintf(stderr, "brdffit %s: --verify is for --norm l2\n", p->command_name);
+        brdffit_cli_tell("brdffit %s: --verify is for --norm l2\n", p->command_name);
         return usage(p);
     }
     return CLI_PARSED;
@@ -351,7 +357,7 @@ static enum cli_parse check_confidence(const struct parser *p)
     if (s->confidence == 0 || (s->norm == BRDFFIT_NORM_L2 && s->engine == BRDFFIT_ENGINE_MOMENT)) {
         return CLI_PARSED;
     }
-    fprintf(stderr, "brdffit %s: --confidence is for --norm l2 and --engine moment\n", p->command_name);
+    brdffit_cli_tell("brdffit %s: --confidence is for --norm l2 and --engine moment\n", p->command_name);
     return usage(p);
 }
 
@@ -379,8 +385,8 @@ static enum cli_parse check_shard(const struct parser *p)
     if (s->shard[slash] == '\0' || !plain_count(s->shard, slash, &s->shard_index) ||
         !plain_count(s->shard + slash + 1, strlen(s->shard + slash + 1), &s->shard_count) ||
         s->shard_index > s->shard_count) {
-        fprintf(stderr, "brdffit %s: --shard does not take '%s'; valid values: I/N, I from 1 to N\n", p->command_name,
-                s->shard);
+        brdffit_cli_tell("brdffit %s: --shard does not take '%s'; valid values: I/N, I from 1 to N\n", p->command_name,
+                         s->shard);
         return usage(p);
     }
     s->shard_index--;
@@ -396,7 +402,7 @@ static enum cli_parse check_shard(const struct parser *p)
     if (not_with == NULL) {
         return CLI_PARSED;
     }
-    fprintf(stderr, "brdffit %s: --shard %s\n", p->command_name, not_with);
+    brdffit_cli_tell("brdffit %s: --shard %s\n", p->command_name, not_with);
     return usage(p);
 }
 
@@ -409,26 +415,26 @@ static enum cli_parse check_together(const struct parser *p)
         standard_inputs += strcmp(s->files[i], "-") == 0;
     }
     if (s->file_count == 0) {
-        fprintf(stderr, "brdffit %s: no FILE given\n", p->command_name);
+        brdffit_cli_tell("brdffit %s: no FILE given\n", p->command_name);
         return usage(p);
     }
     if (p->command == CLI_EVAL && s->file_count != 2) {
-        fprintf(stderr, "brdffit eval: needs two files, FIT.json and FILE, not %zu\n", s->file_count);
+        brdffit_cli_tell("brdffit eval: needs two files, FIT.json and FILE, not %zu\n", s->file_count);
         return usage(p);
     }
     if (p->command == CLI_MAP && (s->file_count != 1 || standard_inputs > 0)) {
-        fprintf(stderr, "brdffit map: needs one STACK, a file or a folder\n");
+        brdffit_cli_tell("brdffit map: needs one STACK, a file or a folder\n");
         return usage(p);
     }
     if (standard_inputs > 1) {
-        fprintf(stderr, "brdffit %s: standard input ('-') can be read only once\n", p->command_name);
+        brdffit_cli_tell("brdffit %s: standard input ('-') can be read only once\n", p->command_name);
         return usage(p);
     }
     if (brdffit_cli_settle_lobes(p->settings, p->command_name) != 0 || check_ranges(p) != CLI_PARSED) {
         return usage(p);
     }
     if (*s->merl_samples == '\0' || (s->output != NULL && *s->output == '\0')) {
-        fprintf(stderr, "brdffit %s: --merl-samples and --output need a file's name\n", p->command_name);
+        brdffit_cli_tell("brdffit %s: --merl-samples and --output need a file's name\n", p->command_name);
         return usage(p);
     }
     if (check_shard(p) != CLI_PARSED) {
@@ -486,8 +492,8 @@ enum cli_parse brdffit_cli_parse(unsigned command, const char *command_name, int
     set_defaults(settings);
     settings->files = calloc((size_t)argc + 1, sizeof *settings->files);
     if (settings->files == NULL) {
-        fprintf(stderr, "brdffit: out of memory\n");
-        return CLI_PARSE_FAILED;
+        (void)brdffit_cli_no_memory();
+        return CLI_PARSE_NO_MEMORY;
     }
     enum cli_parse answer = parse_arguments(&p, argc, argv);
     if (answer == CLI_PARSED && settings->model != NULL) {

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "failure.h"
+#include "tell.h"
 
 const struct cli_choice brdffit_cli_values_choices[] = {{"brdf", BRDFFIT_QUANTITY_BRDF, 0},
                                                         {"radiance", BRDFFIT_QUANTITY_RADIANCE, 0},
@@ -55,16 +56,16 @@ int brdffit_cli_check_reading(const struct cli_settings *settings, const char *c
     brdffit_io_missing kind;
     double value;
     if (settings->missing != NULL && !missing_kind(settings->missing, &kind, &value)) {
-        fprintf(stderr, "brdffit %s: --missing does not take '%s'; valid values: a number, negative, none\n", command,
-                settings->missing);
+        brdffit_cli_tell("brdffit %s: --missing does not take '%s'; valid values: a number, negative, none\n", command,
+                         settings->missing);
         return -1;
     }
     if (settings->directions != NULL && direction_bits(settings->directions) == 0) {
-        fprintf(stderr, "brdffit %s: --directions does not take '%s'; valid values: ", command, settings->directions);
+        brdffit_cli_tell("brdffit %s: --directions does not take '%s'; valid values: ", command, settings->directions);
         for (const struct cli_choice *c = directions; c->name != NULL; c++) {
-            fprintf(stderr, "%s%s", c == directions ? "" : ", ", c->name);
+            brdffit_cli_tell("%s%s", c == directions ? "" : ", ", c->name);
         }
-        fputs("; several with commas between them\n", stderr);
+        brdffit_cli_tell("; several with commas between them\n");
         return -1;
     }
     return 0;
@@ -158,7 +159,7 @@ void brdffit_cli_say_notes(const char *path, const brdffit_table *table, int war
         brdffit_cli_name(&text, style, strcmp(path, "-") == 0 ? "standard input" : path);
         brdffit_cli_text_puts(&text, table->notes[i]->warning ? ": warning: " : ": ");
         brdffit_cli_name(&text, style, table->notes[i]->text);
-        fprintf(stderr, "%s\n", brdffit_cli_text_string(&text));
+        brdffit_cli_tell("%s\n", brdffit_cli_text_string(&text));
         brdffit_cli_text_free(&text);
     }
 }

@@ -12,6 +12,7 @@
 #include "misfit.h"
 #include "reading.h"
 #include "sample.h"
+#include "tell.h"
 #include "terms.h"
 #include "weigh.h"
 #include "words.h"
@@ -102,7 +103,7 @@ void brdffit_cli_say_skipped(const struct cli_job *job, const struct cli_fitter 
     }
     (void)brdffit_inspect(job->table->samples, &fitter->options, &used, skipped, BRDFFIT_SKIP_COUNT, NULL);
     if (brdffit_cli_skipped(&reasons, style, skipped, job->table, fitter->options.max_incidence) > 0) {
-        fprintf(stderr, "brdffit: skipped: %s\n", brdffit_cli_text_string(&reasons));
+        brdffit_cli_tell("brdffit: skipped: %s\n", brdffit_cli_text_string(&reasons));
     }
     brdffit_cli_text_free(&reasons);
 }

@@ -83,15 +83,15 @@ const struct cli_option brdffit_cli_options[] = {
     PLAIN("socp-every-box", 0, CLI_FLAG, FITS, socp_every_box, NULL,
           "send every box to ECOS as the paper does, also\nthose that a closed form decides"),
     PLAIN("physical", 0, CLI_FLAG, SEARCHES, physical, NULL,
-          "only models that reflect no more than they\nreceive: x + sum of 4 y <= 1 in each channel, of\n"
-          "values that are absolute (engine moment)"),
+          "only models that reflect no more than they\nreceive: x + sum of 4 y <= 1 in each channel,\n"
+          "of values that are absolute (engine moment)"),
     PLAIN("anisotropic", 0, CLI_FLAG, CLI_FIT, anisotropic, NULL,
           "the first lobe has two roughnesses, along the\ntangent (azimuth 0) and across it (beckmann,\n"
           "ggx, ward, ashikhmin-shirley)"),
     {"anisotropy", 0, CLI_NUMBER, CLI_FIT, 0, AT(anisotropy), 1e-6, 1e6, 0, NULL, "X",
      "their ratio, along over across, where it is\nknown (default: searched); --anisotropic too"},
     {"tangent-angle", 0, CLI_NUMBER, CLI_FIT, 0, AT(tangent_angle), -360, 360, 0, NULL, "DEG",
-     "where the lobe's own tangent lies, from azimuth 0\ncounterclockwise (default 0); --anisotropic too"},
+     "where the lobe's own tangent lies, from azimuth\n0 counterclockwise (default 0); --anisotropic\ntoo"},
     PLAIN("verify", 0, CLI_STRING, CLI_FIT, verify, "socp[=X]",
           "prove again, by engine socp alone, that nothing\nlies below the bound less this fraction of it\n"
           "(default 1e-3)"),
@@ -137,7 +137,7 @@ const struct cli_option brdffit_cli_options[] = {
     CHOICE(
         "weight", CLI_FIT | CLI_COMPARE, 0, weight, brdffit_cli_weight_choices,
         "none|column|cosine|solid-angle|relative",
-        "what samples count for: alike, as the file says,\nby n.l, by the share of directions that each\nstands for, or by 1/value^2 (default column where\nthere is one, else none)"),
+        "what samples count for: alike, as the file\nsays, by n.l, by the share of directions that\neach stands for, or by 1/value^2 (default\ncolumn where there is one, else none)"),
     CHOICE("merl-bins", CLI_FIT | CLI_INFO | CLI_COMPARE, 0, merl_bins, brdffit_cli_bins_choices, "edge|centre",
            "angle that a MERL entry stands for\n(default edge)"),
     PLAIN("merl-samples", 0, CLI_STRING, CLI_FIT | CLI_INFO | CLI_COMPARE, merl_samples, "table|84|FILE.csv",
@@ -145,11 +145,13 @@ const struct cli_option brdffit_cli_options[] = {
           "(default table)"),
     CHOICE("format", READERS, 0, format, brdffit_cli_format_choices, "auto|csv|merl",
            "format of FILE (default auto: by content)"),
+    {"max-bytes", 0, CLI_COUNT, READERS, 0, AT(max_bytes), 1, 9e15, 0, NULL, "N",
+     "most bytes of FILE, and of what a gzip file\nunpacks to (default 8 and 1 GiB)"},
     PLAIN("select", 0, CLI_COUNT, CLI_EVAL, select, "N",
           "use line N of FIT.json, from 1 (default: the\nline whose \"file\" is FILE)"),
     PLAIN("json", 0, CLI_FLAG, CLI_FIT | CLI_INFO, json, NULL, "one JSON object a line and file"),
     PLAIN("json", 0, CLI_FLAG, CLI_COMPARE, json, NULL,
-          "a JSON line of 'brdffit fit' for each model, then\none of the verdict"),
+          "a JSON line of 'brdffit fit' for each model,\nthen one of the verdict"),
     PLAIN("shard", 0, CLI_STRING, CLI_FIT, shard, "I/N",
           "fit part I of N only: every Nth FILE, from the\nIth; needs --json. 'brdffit merge' joins the\n"
           "parts"),
@@ -177,7 +179,7 @@ const struct cli_option brdffit_cli_options[] = {
     PLAIN("stats", 0, CLI_FLAG, CLI_FIT | CLI_MAP, stats, NULL, "what was skipped, merged and saved"),
     PLAIN("quiet", 'q', CLI_FLAG, ALL, quiet, NULL, "no report, summary or progress; errors only"),
     PLAIN("output", 'o', CLI_STRING, CLI_MAP, output, "DIR|FILE.npz",
-          "the maps, whole or not at all (default: NAME-maps\nwhere you are)"),
+          "the maps, whole or not at all (default:\nNAME-maps where you are)"),
     PLAIN("output", 'o', CLI_STRING, READERS | CLI_MERGE, output, "FILE",
           "write there, whole or not at all, instead of\nto standard output"),
     {"help", 'h', CLI_HELP, ALL, 0, 0, 0, 0, 0, NULL, NULL, "show this"},
@@ -227,6 +229,7 @@ void brdffit_cli_io_options(const struct cli_settings *settings, brdffit_io_opti
     brdffit_io_options_init(options);
     options->format = (brdffit_io_format)settings->format;
     brdffit_cli_reading_options(settings, options);
+    options->max_bytes = settings->max_bytes;
     options->merl_bins = (brdffit_io_merl_bins)settings->merl_bins;
     if (strcmp(settings->merl_samples, "84") == 0) {
         options->merl_sampling = BRDFFIT_IO_MERL_PROTOCOL84;

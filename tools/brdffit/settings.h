@@ -58,6 +58,7 @@ struct cli_settings {
     int json;
     int quiet;
     const char *output; /* NULL: standard output */
+    size_t max_bytes;   /* of a file, and of what a gzip stream unpacks to; 0: the library's limits */
     size_t select;      /* line of the fits, from 1; 0: by the file's name */
     const char *shard;  /* as given: I/N; NULL: all */
     size_t shard_index, shard_count; /* I - 1, N */
@@ -121,7 +122,7 @@ struct cli_option {
 
 extern const struct cli_option brdffit_cli_options[];
 
-enum cli_parse { CLI_PARSED, CLI_PARSED_HELP, CLI_PARSE_FAILED };
+enum cli_parse { CLI_PARSED, CLI_PARSED_HELP, CLI_PARSE_FAILED, CLI_PARSE_NO_MEMORY };
 
 /* Read argv[1..] of `command`. On failure the reason is on stderr. Release
  * with brdffit_cli_settings_free() whatever the answer. */
@@ -156,6 +157,9 @@ extern const struct cli_choice brdffit_cli_format_choices[];
 const struct cli_choice *brdffit_cli_distribution_choices(void);
 const struct cli_choice *
 brdffit_cli_term_choices(enum cli_option_kind kind); /* CLI_FRESNEL, CLI_DIFFUSE, CLI_MASKING */
+
+/* What an option with a list of values takes; NULL: it has none. */
+const struct cli_choice *brdffit_cli_choices_of(const struct cli_option *option);
 
 /* The options of `command`, as its help shows them. */
 void brdffit_cli_option_help(struct cli_text *text, unsigned command);

@@ -88,7 +88,9 @@ void brdffit_cli_shard_stamp(struct cli_text *text, size_t start, const struct c
     }
 }
 
-/* The members as numbers; what they were printed from, or not at all. */
+const char brdffit_cli_shard_memory[] = "out of memory";
+
+/* The members as numbers; what they were printed from, or not at all. -1: no memory. */
 static int parse_members(const char *at, struct cli_shard *shard, size_t *position, unsigned long *crc)
 {
     struct cli_text again = {0};
@@ -102,8 +104,11 @@ static int parse_members(const char *at, struct cli_shard *shard, size_t *positi
     add_members(&again, shard, *position);
     add_crc(&again, *crc);
     brdffit_cli_text_puts(&again, "}");
-    const int same = !again.failed && strcmp(again.data, at) == 0;
+    const int failed = again.failed, same = !failed && strcmp(again.data, at) == 0;
     brdffit_cli_text_free(&again);
+    if (failed) {
+        return -1;
+    }
     return same && shard->part >= 1 && shard->part <= shard->of && *position >= shard->part &&
            *position <= shard->files && (*position - shard->part) % shard->of == 0;
 }
@@ -117,7 +122,9 @@ size_t brdffit_cli_shard_read(const char *line, struct cli_shard *shard, size_t 
         return 0;
     }
     *why = "this line is cut off, or not as it was written";
-    if (!parse_members(at, shard, position, &crc)) {
+    const int found = parse_members(at, shard, position, &crc);
+    if (found != 1) {
+        *why = found < 0 ? brdffit_cli_shard_memory : *why;
         return 0;
     }
     const size_t covered = (size_t)(strstr(at, ",\"crc32\"") - line);

@@ -32,6 +32,9 @@ size_t brdffit_cli_shard_position(const struct cli_shard *shard, size_t index);
 /* Add the stamp to the line that begins at `start`, still without its last brace. */
 void brdffit_cli_shard_stamp(struct cli_text *text, size_t start, const struct cli_shard *shard, size_t position);
 
+/* What *why is when the reason is none of the line. */
+extern const char brdffit_cli_shard_memory[];
+
 /* Read the stamp of a line (without its end of line). Returns the length of
  * what stands before it, or 0 with the reason in *why. */
 size_t brdffit_cli_shard_read(const char *line, struct cli_shard *shard, size_t *position, const char **why);

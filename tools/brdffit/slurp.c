@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "failure.h"
+#include "tell.h"
 
 int brdffit_cli_slurp(struct cli_text *text, const char *path)
 {
@@ -14,7 +15,7 @@ int brdffit_cli_slurp(struct cli_text *text, const char *path)
     size_t size;
     FILE *file = standard ? stdin : fopen(path, "rb");
     if (file == NULL) {
-        fprintf(stderr, "brdffit: %s: cannot open the file (%s)\n", path, strerror(errno));
+        brdffit_cli_tell("brdffit: %s: cannot open the file (%s)\n", path, strerror(errno));
         return CLI_EXIT_FAILURE;
     }
     errno = 0;
@@ -27,8 +28,8 @@ int brdffit_cli_slurp(struct cli_text *text, const char *path)
         (void)fclose(file);
     }
     if (failed) {
-        fprintf(stderr, "brdffit: %s: cannot read the file (%s)\n", standard ? "standard input" : path,
-                strerror(error));
+        brdffit_cli_tell("brdffit: %s: cannot read the file (%s)\n", standard ? "standard input" : path,
+                         strerror(error));
         return CLI_EXIT_FAILURE;
     }
     return text->failed ? brdffit_cli_no_memory() : 0;

@@ -12,6 +12,12 @@ static size_t least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
+/* Capitals are no distance; whatever the locale. */
+static char lower(char c)
+{
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
+
 static size_t edits(const char *a, size_t m, const char *b, size_t n)
 {
     size_t row[3][LONGEST + 1];
@@ -24,7 +30,7 @@ static size_t edits(const char *a, size_t m, const char *b, size_t n)
         const size_t *earlier = row[(i + 1) % 3];
         now[0] = i;
         for (size_t j = 1; j <= n; j++) {
-            const size_t replace = before[j - 1] + (a[i - 1] != b[j - 1]);
+            const size_t replace = before[j - 1] + (lower(a[i - 1]) != lower(b[j - 1]));
             now[j] = least(replace, least(before[j], now[j - 1]) + 1);
             if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
                 now[j] = least(now[j], earlier[j - 2] + 1);

@@ -118,20 +118,34 @@ size_t brdffit_cli_width(struct cli_style style, const char *string)
     return width;
 }
 
+/* Controls of one byte, U+0080 to U+009F, and those that turn the direction of writing (U+202A to U+202E, U+2066 to
+ * U+2069). */
+static int steers(const unsigned char *at, size_t length)
+{
+    if (length == 1) {
+        return at[0] < 0x20 || at[0] == 0x7F;
+    }
+    if (length == 2) {
+        return at[0] == 0xC2 && at[1] < 0xA0;
+    }
+    return at[0] == 0xE2 &&
+           ((at[1] == 0x80 && at[2] >= 0xAA && at[2] <= 0xAE) || (at[1] == 0x81 && at[2] >= 0xA6 && at[2] <= 0xA9));
+}
+
+size_t brdffit_cli_safe(struct cli_style style, const char *at)
+{
+    const size_t length = brdffit_cli_utf8_length(at);
+    return length == 0 || (length > 1 && !style.utf8) || steers((const unsigned char *)at, length) ? 0 : length;
+}
+
 void brdffit_cli_name(struct cli_text *text, struct cli_style style, const char *name)
 {
     while (*name) {
-        const unsigned char first = (unsigned char)*name;
-        const size_t length = brdffit_cli_utf8_length(name);
-        /* U+0080 to U+009F are controls too. */
-        const int control = first < 0x20 || first == 0x7F ||
-                            (length == 2 && first == 0xC2 && (unsigned char)name[1] < 0xA0);
-        if (length == 0 || control || (length > 1 && !style.utf8)) {
-            brdffit_cli_text_puts(text, "?");
-        } else {
-            brdffit_cli_text_add(text, name, length);
-        }
-        name += length == 0 ? 1 : length;
+        const size_t length = brdffit_cli_safe(style, name);
+        /* What the terminal cannot show is one '?' a character, what is none one a byte. */
+        const size_t character = brdffit_cli_utf8_length(name);
+        brdffit_cli_text_add(text, length == 0 ? "?" : name, length == 0 ? 1 : length);
+        name += character == 0 ? 1 : character;
     }
 }
 

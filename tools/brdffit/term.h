@@ -32,8 +32,10 @@ void brdffit_cli_ink(struct cli_text *text, struct cli_style style, enum cli_ink
 /* Columns that `string` takes: code points of UTF-8, bytes otherwise. */
 size_t brdffit_cli_width(struct cli_style style, const char *string);
 
-/* A name from outside (a path, a channel): control characters, and bytes
- * that are not UTF-8 or that the terminal cannot show, become '?'. */
+/* Bytes of the character at `at`; 0 when it is none, when it would steer the terminal, or cannot be shown on it. */
+size_t brdffit_cli_safe(struct cli_style style, const char *at);
+
+/* A name from outside (a path, a channel): what is not safe becomes '?'. */
 void brdffit_cli_name(struct cli_text *text, struct cli_style style, const char *name);
 
 /* `lead` (coloured; NULL for none) and a paragraph, wrapped between an

@@ -75,8 +75,7 @@ void brdffit_cli_text_printf(struct cli_text *text, const char *format, ...)
 
 void brdffit_cli_text_clear(struct cli_text *text)
 {
-    text->size = 0;
-    text->failed = 0;
+    text->size = 0; /* `failed` stays: what was lost before is lost */
     if (text->data != NULL) {
         text->data[0] = '\0';
     }

@@ -14,7 +14,8 @@
 #endif
 
 /* Zero-initialise. `data` is NULL or ends with a NUL that `size` does not
- * count. Once memory has run out, `failed` stays 1 and nothing is added. */
+ * count. Once memory has run out, `failed` stays 1, also when
+ * the text is cleared, and nothing is added. */
 struct cli_text {
     char *data;
     size_t size;

@@ -346,6 +346,7 @@ class IoOptions(ctypes.Structure):
         ("merl_sampling", c_int),
         ("directions_only", c_int),
         ("directions", POINTER(Samples)),
+        ("max_bytes", c_size_t),
         ("channels", c_char_p),
         ("columns", c_char_p),
         ("missing", c_int),

@@ -160,7 +160,7 @@ def _cut(fit: Fit) -> str:
         if any(fit.proven_sigma[p, 0] > _asked_floor(fit, p) for p in mine):
             asked = "down to %.6g" % fit.sigma_range[0] if by == "sigma" else "up to %.6g" % fit.exponent_range[1]  # type: ignore[index]
             out += " Of %s %s, as asked for, nothing is said: no sample sees %s." % (
-                letter, asked, "1e-7 of such lobes' peak" if fit.anisotropy is not None else
+                letter, asked, "1e-7 of such lobes' peak but in the mirror direction" if fit.anisotropy is not None else
                 "such lobes, whose coefficients would be beyond any double")
     return out
 

@@ -1,12 +1,21 @@
 """Errors: the C library's code, message and position. SPDX-License-Identifier: MIT"""
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _structs as structs
+
+# What would steer a terminal: controls (but line ends), those that turn the direction of writing, halves of characters.
+_STEERING = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+
+
+def shown(text: str) -> str:
+    """A text that has words of files in it, for people: what could steer a terminal is "?"."""
+    return _STEERING.sub("?", text)
 
 
 class BrdffitError(Exception):
@@ -54,7 +63,7 @@ class BrdffitError(Exception):
             places.append("channel %d%s" % (self.channel, name))
         parts = [part for part in (self.path, ", ".join(places)) if part]
         value = "" if self.value is None else ": %.17g" % self.value
-        return ": ".join([*parts, self.message]) + value + ("" if not self.text else ": '%s'" % self.text)
+        return shown(": ".join([*parts, self.message]) + value + ("" if not self.text else ": '%s'" % self.text))
 
     def __reduce__(self) -> tuple[object, ...]:
         return (_rebuild, (type(self), self.message, self.__dict__.copy()))

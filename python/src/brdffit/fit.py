@@ -278,7 +278,21 @@ class Fit(Frozen):
 
     @classmethod
     def from_dict(cls, line: Mapping[str, Any]) -> Fit:
-        """Of an object that `to_dict` or the command line wrote."""
+        """Of an object that `to_dict` or the command line wrote. Raises `DataError` when it is none, or damaged."""
+        try:
+            fit = cls._of_members(line)
+            with np.errstate(all="ignore"):
+                _words.html(fit)  # what can be neither shown nor written is of no use
+                fit.to_json()
+            return fit
+        except DataError:
+            raise
+        except (ArithmeticError, AssertionError, AttributeError, LookupError, RecursionError, TypeError,
+                ValueError) as error:
+            raise DataError("this fit is damaged (%s: %s)" % (type(error).__name__, error), code="format") from error
+
+    @classmethod
+    def _of_members(cls, line: Mapping[str, Any]) -> Fit:
         if line.get("schema") != SCHEMA:
             raise DataError("this is not a fit of schema %s" % SCHEMA, code="format")
         if line.get("status") == "error":
@@ -322,10 +336,10 @@ class Fit(Frozen):
 
     @classmethod
     def from_json(cls, text: str) -> Fit:
-        """Of one line that `to_json` or `brdffit fit --json` wrote."""
+        """Of one line that `to_json` or `brdffit fit --json` wrote. Raises `DataError` when it is none, or damaged."""
         try:
             line = json.loads(text)
-        except ValueError as error:
+        except (RecursionError, ValueError) as error:
             raise DataError("this is not JSON (%s)" % error, code="format") from error
         if not isinstance(line, dict):
             raise DataError("this is not a JSON object", code="format")

@@ -167,7 +167,8 @@ class Samples(Frozen):
     @classmethod
     def from_csv(cls, path: Path, *, quantity: str | None = None, channels: Sequence[str] | None = None,
                  columns: Mapping[str, str] | None = None, missing: float | str | None = None,
-                 saturated: float | None = None, directions: str | Sequence[str] | None = None) -> Samples:
+                 saturated: float | None = None, directions: str | Sequence[str] | None = None,
+                 max_bytes: int = 0) -> Samples:
         """A CSV or TSV file (also .gz). One header line names the columns: theta_i, phi_i, theta_o, phi_o in degrees,
         or lx, ly, lz, vx, vy, vz, or a, b, c; weight; uncertainty (standard deviation of the values, in their units, which
         becomes a weight); other columns of numbers are channels. Names are matched by their words (`column_words`), and what
@@ -181,9 +182,10 @@ class Samples(Frozen):
         saturated: samples with a value from there on are left out
         directions: what they are, of "degrees", "radians", "elevation" (angles above the surface), "mirror-at-0" (azimuths
             count from the mirror direction), "light-travels" (its vectors point to the surface), "y-up", "as-written"
+        max_bytes: most of the file, and of what it unpacks to (0: 8 and 1 GiB)
         """
         return cls(**load(path, "csv", quantity=quantity, channels=channels, columns=columns, missing=missing,
-                          saturated=saturated, directions=directions))
+                          saturated=saturated, directions=directions, max_bytes=max_bytes))
 
     @classmethod
     def _places(cls, path: Path, quantity: str | None) -> Samples:
@@ -192,15 +194,17 @@ class Samples(Frozen):
 
     @classmethod
     def from_merl(cls, path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "table",
-                  bins: str = "edge") -> Samples:
+                  bins: str = "edge", max_bytes: int = 0) -> Samples:
         """A MERL .binary file (also .gz). samples: "table" (every cell that was measured), "84" (the paper's
-        directions), or (light, view) to look up. bins: which angle entry i stands for, its bin's "edge" or "centre"."""
+        directions), or (light, view) to look up. bins: which angle entry i stands for, its bin's "edge" or "centre".
+        max_bytes: most of the file, and of what it unpacks to (0: 8 and 1 GiB)."""
         choose("bins", bins, structs.MERL_BINS)
         if isinstance(samples, str):
-            return cls(**load(path, "merl", samples=samples, bins=bins))
+            return cls(**load(path, "merl", samples=samples, bins=bins, max_bytes=max_bytes))
         light, view = (vectors(name, value) for name, value in zip(("light", "view"), samples))
         at = cls(values=np.zeros((len(light), 1)), channels=("",), light=light, view=view)
-        return cls(**load(path, "merl", samples=at._struct(), bins=bins), _merl_directions=np.hstack([light, view]))
+        return cls(**load(path, "merl", samples=at._struct(), bins=bins, max_bytes=max_bytes),
+                   _merl_directions=np.hstack([light, view]))
 
     @classmethod
     def from_rgl(cls, path: Path, *, samples: str | tuple[npt.ArrayLike, npt.ArrayLike] = "measured",

@@ -264,53 +264,109 @@ static brdffit_status locate(const struct io_store *store, const struct director
     return BRDFFIT_OK;
 }
 
-/* The room is that of the claimed size, which the packed one bounds: deflate shrinks at most 1032:1. */
-static brdffit_status inflate_all(const struct io_store *store, uint64_t from, const struct entry *e,
-                                  unsigned char *out, brdffit_error *error)
-{
+/* Where the unpacking of a member stands. */
+struct inflation {
+    const struct io_store *store;
+    uint64_t from, left; /* packed bytes */
     unsigned char packed[65536];
-    uint64_t left = e->packed, room = e->size;
     z_stream z;
-    int code;
+};
 
-    brdffit_io_zlib_start(&z);
-    code = inflateInit2(&z, -MAX_WBITS);
-    if (code != Z_OK) {
-        return brdffit_io_no_memory(error);
-    }
-    z.next_out = out;
-    while (code == Z_OK) {
-        if (z.avail_in == 0 && left > 0) {
-            size_t n = left < sizeof packed ? (size_t)left : sizeof packed;
-            brdffit_status status = brdffit_io_store_read(store, from, packed, n, error);
+/* Up to `room` bytes into `out`; *got tells how many there were. Z_OK: there are more. */
+static brdffit_status inflate_some(struct inflation *at, unsigned char *out, uint64_t room, uint64_t *got, int *code,
+                                   brdffit_error *error)
+{
+    uint64_t left = room;
+
+    at->z.next_out = out;
+    at->z.avail_out = 0;
+    *code = Z_OK;
+    while (*code == Z_OK && (left > 0 || at->z.avail_out > 0)) {
+        if (at->z.avail_in == 0 && at->left > 0) {
+            size_t n = at->left < sizeof at->packed ? (size_t)at->left : sizeof at->packed;
+            brdffit_status status = brdffit_io_store_read(at->store, at->from, at->packed, n, error);
 
             if (status != BRDFFIT_OK) {
-                (void)inflateEnd(&z);
                 return status;
             }
-            z.next_in = packed;
-            z.avail_in = (uInt)n;
-            from += n;
-            left -= n;
+            at->z.next_in = at->packed;
+            at->z.avail_in = (uInt)n;
+            at->from += n;
+            at->left -= n;
         }
-        if (z.avail_out == 0) {
-            z.avail_out = (uInt)(room < CHUNK ? room : CHUNK);
-            room -= z.avail_out;
+        if (at->z.avail_out == 0) {
+            at->z.avail_out = (uInt)(left < CHUNK ? left : CHUNK);
+            left -= at->z.avail_out;
         }
-        code = inflate(&z, Z_NO_FLUSH);
+        *code = inflate(&at->z, Z_NO_FLUSH);
     }
-    room += z.avail_out;
-    left += z.avail_in;
-    (void)inflateEnd(&z);
-    if (code == Z_MEM_ERROR) {
-        return brdffit_io_no_memory(error);
+    *got = room - left - at->z.avail_out;
+    return *code == Z_MEM_ERROR ? brdffit_io_no_memory(error) : BRDFFIT_OK;
+}
+
+static brdffit_status start_inflation(struct inflation *at, const struct io_store *store, uint64_t data,
+                                      const struct entry *e, brdffit_error *error)
+{
+    at->store = store;
+    at->from = data;
+    at->left = e->packed;
+    brdffit_io_zlib_start(&at->z);
+    return inflateInit2(&at->z, -MAX_WBITS) == Z_OK ? BRDFFIT_OK : brdffit_io_no_memory(error);
+}
+
+/* The room is that of the claimed size, which the packed one and the array's header bound. */
+static brdffit_status inflate_all(const struct io_store *store, uint64_t data, const struct entry *e,
+                                  unsigned char *out, brdffit_error *error)
+{
+    struct inflation at;
+    uint64_t got = 0;
+    int code = Z_OK;
+    brdffit_status status = start_inflation(&at, store, data, e, error);
+
+    if (status != BRDFFIT_OK) {
+        return status;
     }
-    if (code != Z_STREAM_END || left > 0 || room > 0) {
+    status = inflate_some(&at, out, e->size, &got, &code, error);
+    if (status == BRDFFIT_OK && code == Z_OK && got == e->size) { /* full: only the end may come */
+        unsigned char more;
+        uint64_t beyond = 0;
+
+        status = inflate_some(&at, &more, 1, &beyond, &code, error);
+        code = beyond > 0 ? Z_DATA_ERROR : code;
+    }
+    (void)inflateEnd(&at.z);
+    if (status == BRDFFIT_OK && (code != Z_STREAM_END || at.left > 0 || at.z.avail_in > 0 || got < e->size)) {
         return brdffit_io_fail_value(error, BRDFFIT_ERR_READ,
                                      "the deflated member of the .npz is damaged (value: after unpacked bytes)",
-                                     (double)(e->size - room));
+                                     (double)got);
     }
-    return BRDFFIT_OK;
+    return status;
+}
+
+/* What the array's header says of its size, before the rest is unpacked: a hostile member costs no more than this. */
+static brdffit_status check_header(const struct io_array *array, uint64_t data, const struct entry *e,
+                                   brdffit_error *error)
+{
+    const uint64_t most = 12 + IO_LIMIT_NPY_HEADER, size = e->size < most ? e->size : most;
+    struct io_array header;
+    struct inflation at;
+    uint64_t got = 0;
+    int code = Z_OK;
+    unsigned char *start = brdffit_io_alloc_zero((size_t)size, 1); /* what is damaged will be found damaged */
+    brdffit_status status = start ? start_inflation(&at, &array->store, data, e, error) : brdffit_io_no_memory(error);
+
+    if (status == BRDFFIT_OK) {
+        status = inflate_some(&at, start, size, &got, &code, error);
+        (void)inflateEnd(&at.z);
+    }
+    if (status == BRDFFIT_OK && got == size) {
+        memset(&header, 0, sizeof header);
+        brdffit_io_store_memory(start, (size_t)size, &header.store);
+        header.end = e->size;
+        status = brdffit_io_npy_open(&header, error);
+    }
+    brdffit_io_release(start);
+    return status;
 }
 
 static brdffit_status unpack(struct io_array *array, uint64_t data, const struct entry *e, brdffit_error *error)
@@ -320,6 +376,10 @@ static brdffit_status unpack(struct io_array *array, uint64_t data, const struct
 
     if (e->size > IO_LIMIT_BYTES || e->size / 1040 > e->packed) {
         return damaged(error, "the .npz has a member that claims to unpack to too much (value: bytes)", e->size);
+    }
+    status = check_header(array, data, e, error);
+    if (status != BRDFFIT_OK) {
+        return status;
     }
     out = brdffit_io_alloc((size_t)e->size, 1);
     if (!out) {

@@ -41,8 +41,9 @@ static brdffit_status damaged(const z_stream *stream, brdffit_error *error)
 }
 
 /* One member. *used becomes the bytes of input that it took. */
-static brdffit_status member(z_stream *stream, const unsigned char *data, size_t size, size_t limit,
-                             struct io_bytes *out, size_t *used, brdffit_error *error)
+static brdffit_status member(z_stream *stream, const unsigned char *data, size_t size,
+                             const struct io_gzip_limit *limit, struct io_bytes *out, size_t *used,
+                             brdffit_error *error)
 {
     size_t taken = 0;
 
@@ -50,7 +51,7 @@ static brdffit_status member(z_stream *stream, const unsigned char *data, size_t
         size_t left = size - taken, room;
         int code;
 
-        if (!brdffit_io_bytes_grow(out, limit + 1)) {
+        if (!brdffit_io_bytes_grow(out, limit->bytes + 1)) {
             return brdffit_io_no_memory(error);
         }
         room = out->capacity - out->size;
@@ -62,9 +63,10 @@ static brdffit_status member(z_stream *stream, const unsigned char *data, size_t
         taken = (size_t)(stream->next_in - data);
         out->size = (size_t)(stream->next_out - out->data);
         *used = taken;
-        if (out->size > limit) {
-            return brdffit_io_fail_value(error, BRDFFIT_ERR_FORMAT,
-                                         "the gzip file unpacks to more than the limit in bytes", (double)limit);
+        if (out->size > limit->bytes) {
+            return limit->message
+                       ? brdffit_io_fail_value(error, BRDFFIT_ERR_FORMAT, limit->message, (double)limit->bytes)
+                       : BRDFFIT_OK;
         }
         if (code == Z_STREAM_END) {
             return BRDFFIT_OK;
@@ -81,12 +83,12 @@ static brdffit_status member(z_stream *stream, const unsigned char *data, size_t
     }
 }
 
-static brdffit_status members(z_stream *stream, const unsigned char *data, size_t size, size_t limit,
-                              struct io_bytes *out, brdffit_error *error)
+static brdffit_status members(z_stream *stream, const unsigned char *data, size_t size,
+                              const struct io_gzip_limit *limit, struct io_bytes *out, brdffit_error *error)
 {
     size_t at = 0;
 
-    while (at < size) {
+    while (at < size && out->size <= limit->bytes) {
         size_t used = 0;
         brdffit_status status;
 
@@ -107,12 +109,12 @@ static brdffit_status members(z_stream *stream, const unsigned char *data, size_
     return BRDFFIT_OK;
 }
 
-brdffit_status brdffit_io_gunzip(const unsigned char *data, size_t size, size_t limit, struct io_bytes *out,
-                                 brdffit_error *error)
+brdffit_status brdffit_io_gunzip(const unsigned char *data, size_t size, const struct io_gzip_limit *limit,
+                                 struct io_bytes *out, brdffit_error *error)
 {
     z_stream stream;
     brdffit_status status;
-    size_t guess = size < limit / 4 ? 4 * size : limit;
+    size_t guess = size < limit->bytes / 4 ? 4 * size : limit->bytes;
     int code;
 
     brdffit_io_zlib_start(&stream);

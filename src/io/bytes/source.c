@@ -48,7 +48,7 @@ static brdffit_status system_failure(brdffit_error *error, brdffit_status status
 
 static brdffit_status too_large(brdffit_error *error, size_t limit)
 {
-    return brdffit_io_fail_value(error, BRDFFIT_ERR_FORMAT, "the file is larger than the limit in bytes",
+    return brdffit_io_fail_value(error, BRDFFIT_ERR_FORMAT, "the file is larger than the limit (max_bytes) in bytes",
                                  (double)limit);
 }
 

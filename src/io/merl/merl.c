@@ -30,11 +30,16 @@ static uint64_t table_size(const int32_t dims[3])
     return MERL_HEADER + cells * (uint64_t)dims[2] * MERL_CHANNELS * sizeof(double);
 }
 
+uint64_t brdffit_io_merl_bytes(const unsigned char *data)
+{
+    const int32_t dims[3] = {load_i32(data), load_i32(data + 4), load_i32(data + 8)};
+
+    return dims[0] > 0 && dims[1] > 0 && dims[2] > 0 ? table_size(dims) : 0;
+}
+
 int brdffit_io_merl_plausible(const unsigned char *data)
 {
-    int32_t dims[3] = {load_i32(data), load_i32(data + 4), load_i32(data + 8)};
-
-    return dims[0] > 0 && dims[1] > 0 && dims[2] > 0 && table_size(dims) > 0;
+    return brdffit_io_merl_bytes(data) > 0;
 }
 
 static brdffit_status size_wrong(brdffit_error *error, const char *message, double value)

@@ -25,6 +25,9 @@ brdffit_status brdffit_io_merl_open(const unsigned char *data, size_t size, stru
 /* 1 when the twelve bytes are positive dimensions whose table would not overflow the largest file. */
 int brdffit_io_merl_plausible(const unsigned char *data);
 
+/* Bytes of the file that a header of twelve bytes announces; 0: it is none. */
+uint64_t brdffit_io_merl_bytes(const unsigned char *data);
+
 /* Little-endian bits on any host; compilers make one load of it. */
 static inline uint64_t brdffit_io_merl_bits(const unsigned char *p)
 {

@@ -14,7 +14,9 @@
  *  - two exits (ECOS_FATAL, ECOS_OUTCONE) leave x and z in scaled form: they count as having none;
  *  - a G whose pattern has no entry at all makes its setup read memory that it never wrote: refused;
  *  - CTRLC > 0 takes over SIGINT in each solve: the build sets it to 0, and this file checks;
- *  - it prints unless told not to, and does not check its mallocs.
+ *  - it prints unless told not to;
+ *  - it does not check its mallocs: ecos_memory.h, where none fails. Equilibration allocates in each solve, out of
+ *    `scratch`, so that solving does not fail for want of memory.
  * SPDX-License-Identifier: MIT
  */
 #include "solve/conic/socp.h"
@@ -56,6 +58,7 @@ void brdffit_socp_free(struct socp *socp)
 #include <ecos.h>
 
 #include "base/arena.h"
+#include "solve/conic/ecos_memory.h"
 #include "solve/conic/scaling.h"
 
 #if !defined(CTRLC) || CTRLC > 0
@@ -68,7 +71,16 @@ struct socp {
     idxint *column, *row; /* of g; kept by ECOS */
     idxint *cone;         /* dimensions */
     struct scaling scaling;
+    struct ecos_memory memory;
+    const struct conic_shape *shape; /* while it is made */
+    idxint code;                     /* of the last solve */
 };
+
+/* A vector as long as x and one as long as h (use_ruiz_equilibration of ECOS), and their alignment. */
+static size_t scratch_bytes(const struct scaling *scaling)
+{
+    return (scaling->variables + scaling->rows) * sizeof(pfloat) + 4 * sizeof(max_align_t);
+}
 
 /* ---- Making one ------------------------------------------------------------------------------------------- */
 
@@ -85,6 +97,7 @@ static struct socp *layout(struct arena *arena, const struct conic_shape *shape)
     socp->column = brdffit_arena_take(arena, socp->scaling.variables + 1, sizeof *socp->column);
     socp->row = brdffit_arena_take(arena, socp->scaling.entries, sizeof *socp->row);
     socp->cone = brdffit_arena_take(arena, shape->cones, sizeof *socp->cone);
+    socp->memory.scratch = brdffit_arena_take(arena, scratch_bytes(&socp->scaling), 1);
     return memory;
 }
 
@@ -129,6 +142,19 @@ static void start(struct socp *socp, const struct conic_shape *shape)
     for (i = 0; i < shape->cones; i++) {
         socp->cone[i] = (idxint)shape->cone[i];
     }
+    socp->memory.first = NULL;
+    socp->memory.scratch_size = 0; /* of solves */
+    socp->memory.scratch_used = 0;
+    socp->shape = shape;
+}
+
+static void set_up(void *argument)
+{
+    struct socp *socp = argument;
+
+    socp->work = ECOS_setup((idxint)socp->scaling.variables, (idxint)socp->scaling.rows, 0, (idxint)socp->shape->linear,
+                            (idxint)socp->shape->cones, socp->cone, 0, socp->g, socp->column, socp->row, NULL, NULL,
+                            NULL, socp->c, socp->h, NULL);
 }
 
 brdffit_status brdffit_socp_new(const struct conic_shape *shape, struct socp **result)
@@ -144,13 +170,12 @@ brdffit_status brdffit_socp_new(const struct conic_shape *shape, struct socp **r
         return BRDFFIT_ERR_MEMORY;
     }
     start(socp, shape);
-    socp->work = ECOS_setup((idxint)socp->scaling.variables, (idxint)socp->scaling.rows, 0, (idxint)shape->linear,
-                            (idxint)shape->cones, socp->cone, 0, socp->g, socp->column, socp->row, NULL, NULL, NULL,
-                            socp->c, socp->h, NULL);
-    if (!socp->work) {
-        free(socp);
+    if (!brdffit_ecos_memory_call(&socp->memory, set_up, socp) || !socp->work) {
+        brdffit_socp_free(socp);
         return BRDFFIT_ERR_MEMORY;
     }
+    socp->shape = NULL; /* the caller's */
+    socp->memory.scratch_size = scratch_bytes(&socp->scaling);
     socp->work->stgs->verbose = 0;
     *result = socp;
     return BRDFFIT_OK;
@@ -164,7 +189,7 @@ void brdffit_socp_trust_scale(struct socp *socp)
 void brdffit_socp_free(struct socp *socp)
 {
     if (socp) {
-        ECOS_cleanup(socp->work, 0);
+        brdffit_ecos_memory_release(&socp->memory);
         free(socp);
     }
 }
@@ -272,22 +297,29 @@ static enum socp_outcome judge(const struct socp *socp, const struct conic_data 
     return SOCP_FAILED;
 }
 
+static void solve(void *argument)
+{
+    struct socp *socp = argument;
+
+    ECOS_updateData(socp->work, socp->g, NULL, socp->c, socp->h, NULL);
+    socp->code = ECOS_solve(socp->work);
+}
+
 brdffit_status brdffit_socp_solve(struct socp *socp, const struct conic_data *data, double *x, double *z,
                                   struct socp_result *result)
 {
-    idxint code;
-
     if (!(all_finite(data->g, socp->scaling.entries) && all_finite(data->c, socp->scaling.variables) &&
           all_finite(data->h, socp->scaling.rows))) {
         return BRDFFIT_ERR_VALUE;
     }
     brdffit_scaling_apply(&socp->scaling, data, socp->g, socp->c, socp->h);
     spoil_best_iterate(socp->work);
-    ECOS_updateData(socp->work, socp->g, NULL, socp->c, socp->h, NULL);
-    code = ECOS_solve(socp->work);
-    result->code = (int)code;
+    if (!brdffit_ecos_memory_call(&socp->memory, solve, socp)) {
+        return BRDFFIT_ERR_MEMORY; /* never: the scratch is as large as what it takes */
+    }
+    result->code = (int)socp->code;
     result->iterations = (size_t)socp->work->info->iter;
-    result->outcome = judge(socp, data, code, x, z, result);
+    result->outcome = judge(socp, data, socp->code, x, z, result);
     return BRDFFIT_OK;
 }
 

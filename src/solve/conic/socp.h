@@ -1,7 +1,7 @@
 /*
  * Second-order cone programs, solved by ECOS: the only module that includes ecos.h. The program, its shape
  * and its data are those of certificate.h. The shape is fixed when the solver is made (that allocates);
- * each solve takes new numbers, copies them, and allocates next to nothing.
+ * each solve takes new numbers, copies them, and allocates nothing.
  *
  * What a solver says is floating point and proves nothing: hand z to brdffit_socp_certified_bound().
  * Same shape and numbers, same bits, whatever the solver solved before. Two threads must not share a

@@ -42,12 +42,11 @@ class TileJob:
     def __init__(self, arguments: Mapping[str, Any], fields: Sequence[store.Field], group: Any = None) -> None:
         self.arguments, self.fields, self.group = arguments, fields, group
 
-    def fit(self, tile: Tile, block: Any, stopped: Callable[[], bool] | None = None) -> FitMap:
+    def fit(self, tile: Tile, values: Any, stopped: Callable[[], bool] | None = None) -> FitMap:
         """`stopped` is asked about ten times a second; once it is true, raises `Stopped`."""
         def ask(_: object) -> bool:
             return stopped is not None and stopped()
 
-        values = block.load() if isinstance(block, StoredBlock) else np.asanyarray(block)  # masks are refused
         try:
             # One thread of C for a thread of the scheduler: it knows how many processors there are.
             result: FitMap = fit_array(values, threads=1, progress=None if stopped is None else ask, **self.arguments,
@@ -66,19 +65,28 @@ class TileJob:
 
     def arrays(self, tile: Tile, block: Any) -> dict[str, Any]:
         """Of one tile, by name, to become chunks of Dask arrays; "": its row of counts."""
-        result = self.fit(tile, block)
+        result = self.fit(tile, _values(block))
         return {"": store.counts_of(result), **{field.name: np.asarray(getattr(result, field.name), field.dtype)
                                                 for field in self.fields}}
 
     def store(self, tile: Tile, block: Any, stopped: Callable[[], bool] | None = None) -> list[int]:
-        """Fit and write. A tile that is recorded already is not fitted again: it was done by a worker that died before
-        its answer arrived. Returns the row of counts."""
+        """Fit and write. A tile that is recorded already is not fitted again, but its values have to be those that it was
+        fitted to: an earlier run did it, or a worker that died before its answer arrived. Returns the row of counts."""
+        values = _values(block)
+        data = store.checksum(np.asarray(values))
         row = store.recorded(self.group, tile.number)
         if row is None:
             _tell(tile.number, "begin")
-            row = store.write_tile(self.group, tile.number, tile.region, self.fields, self.fit(tile, block, stopped))
+            row = store.write_tile(self.group, tile.number, tile.region, self.fields, self.fit(tile, values, stopped), data)
             _tell(tile.number, "end")
+        else:
+            store.check_data(self.group, tile.number, data)
         return row
+
+
+def _values(block: Any) -> Any:
+    """What a tile is made from; masked arrays stay such, to be refused."""
+    return block.load() if isinstance(block, StoredBlock) else np.asanyarray(block)
 
 
 def run_store(job: TileJob, tile: Tile, block: Any) -> list[int]:

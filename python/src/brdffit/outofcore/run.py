@@ -50,8 +50,9 @@ def run(job: TileJob, work: Work, client: Any, threads: int, retries: int, done:
     answers = _distributed(job, work, client, retries) if client is not None else _threads(job, work, threads)
     try:
         for tile in answers:
-            done += texels(tile)
-            if teller.listens and teller.tell(done):
+            more = texels(tile)
+            done += more
+            if more > 0 and teller.listens and teller.tell(done):
                 return
     finally:
         answers.close()  # cancels what was not begun

@@ -2,6 +2,7 @@
 
     sigma, ... status         the arrays of FitMap; a tile is a chunk of each, so that no two workers share one. Its x and
                               y are named diffuse and specular: dimensions are often named x and y
+    tiles/data                a checksum of the values that each tile was fitted to, a chunk of its own
     tiles/done                a row of counts for each tile, a chunk of its own, written last: a tile without is not there
     .attrs["brdffit"]         what is fitted and how; a run that differs may not go on here
 
@@ -15,6 +16,7 @@ import dataclasses
 import hashlib
 import json
 import os
+import zlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -77,6 +79,11 @@ def digest(*arrays: npt.NDArray[Any] | None) -> str:
         if array is not None:
             found.update(np.ascontiguousarray(array).tobytes())
     return found.hexdigest()
+
+
+def checksum(values: npt.NDArray[Any]) -> int:
+    """Of a tile's values: they are read to be fitted, so that this costs next to nothing."""
+    return zlib.crc32(np.ascontiguousarray(values).reshape(-1).view(np.uint8).data, values.itemsize)
 
 
 # ---- The group -------------------------------------------------------------------------------------------------------
@@ -215,6 +222,8 @@ def _make_arrays(group: Any, layout: Layout) -> None:
                                dtype=field.dtype, fill_value=field.fill, dimension_names=layout.dims_of(field),
                                attributes=field_attributes(field))
     columns = [*COUNTED, *("skipped: " + name for name in SKIPPED)]
+    if "tiles/data" not in group:
+        group.require_group("tiles").create_array("data", shape=(layout.tiles,), chunks=(1,), dtype="int64", fill_value=-1)
     if "tiles/done" not in group:
         group.require_group("tiles").create_array("done", shape=(layout.tiles, len(columns)), chunks=(1, len(columns)),
                                                   dtype="int64", fill_value=-1, attributes={"columns": columns})
@@ -239,10 +248,18 @@ def recorded(group: Any, tile: int) -> list[int] | None:
     return None if row[0] < 0 else row
 
 
-def write_tile(group: Any, tile: int, region: Region, written: Sequence[Field], result: Any) -> list[int]:
+def check_data(group: Any, tile: int, data: int) -> None:
+    """That a tile which is there was fitted to values of this checksum."""
+    if int(group["tiles/data"][tile]) != data:
+        raise DataError("output %s holds maps of other values: those of tile %d differ. Replace it with overwrite=True" % (
+            group.store_path, tile), code="argument")
+
+
+def write_tile(group: Any, tile: int, region: Region, written: Sequence[Field], result: Any, data: int) -> list[int]:
     """All maps of a tile, then its row."""
     for field in written:
         group[field.stored][region] = getattr(result, field.name)
+    group["tiles/data"][tile] = data
     row = counts_of(result)
     group["tiles/done"][tile] = np.array(row, np.int64)
     return row

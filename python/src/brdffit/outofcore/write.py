@@ -1,4 +1,7 @@
-"""Maps into a zarr group, tile by tile: those that are not there yet. SPDX-License-Identifier: MIT"""
+"""Maps into a zarr group, tile by tile: those that are not there yet. Of those that are, the values are looked at.
+
+SPDX-License-Identifier: MIT
+"""
 from __future__ import annotations
 
 import math
@@ -32,13 +35,15 @@ def write(call: Call, labels: Labels, output: Any, overwrite: bool, client: Any,
     there = store.read_counts(group)[:, 0] >= 0
     sizes = [math.prod(tiles.shape_of(region)) for region in call.regions]
     blocks = call.source.blocks(call.tile, call.regions)
-    missing = [int(i) for i in np.flatnonzero(~there)]
-    work = ((call.tile_of(i), blocks[i]) for i in missing)
+    # What is there first: whether it is of these values is known before anything is fitted.
+    order = [int(i) for i in (*np.flatnonzero(there), *np.flatnonzero(~there))]
+    work = ((call.tile_of(i), blocks[i]) for i in order)
+    new = [0 if done else size for done, size in zip(there, sizes)]
     teller = Teller(progress, sum(sizes))
     try:
         run(TileJob(call.arguments(), call.fields, group), work, client,
-            min(count_of("threads", threads, processors()), max(1, len(missing))), retries,
-            sum(sizes) - sum(sizes[i] for i in missing), teller, lambda tile: sizes[tile.number])
+            min(count_of("threads", threads, processors()), max(1, len(order))), retries, sum(sizes) - sum(new), teller,
+            lambda tile: new[tile.number])
     finally:
         teller.close()
     return MapArrays({field.name: group[field.stored] for field in call.fields}, None, call.about(), group)

@@ -33,9 +33,8 @@ class TensorFile:
         self.file = os.fspath(path)
         self._at = 0
         try:
-            self._bytes: npt.NDArray[np.uint8] = (
-                np.memmap(self.file, np.uint8, "r") if os.path.getsize(self.file) else np.empty(0, np.uint8))
-        except (OSError, ValueError) as error:
+            self._size = os.stat(self.file).st_size
+        except OSError as error:
             missing = isinstance(error, FileNotFoundError)
             raise FileError("no such file" if missing else str(error), code="open", path=self.file) from error
         if self._take(len(MAGIC), "its first bytes") != MAGIC:
@@ -54,10 +53,22 @@ class TensorFile:
         return DataError(message, code="format", path=self.file)
 
     def _take(self, count: int, what: str) -> bytes:
-        if count > len(self._bytes) - self._at:
-            raise self.wrong("the file ends at byte %d, inside %s" % (len(self._bytes), what))
+        if count > self._size - self._at:
+            raise self.wrong("the file ends at byte %d, inside %s" % (self._size, what))
         self._at += count
-        return self._bytes[self._at - count:self._at].tobytes()
+        return self._bytes(self._at - count, count)
+
+    def _bytes(self, offset: int, count: int) -> bytes:
+        """Read, not mapped: a file that is cut short meanwhile would be the end of the process."""
+        try:
+            with open(self.file, "rb") as file:
+                file.seek(offset)
+                found = file.read(count)
+        except OSError as error:
+            raise FileError(str(error), code="read", path=self.file) from error
+        if len(found) < count:
+            raise FileError("the file became shorter while it was read", code="read", path=self.file)
+        return found
 
     def _number(self, size: int, what: str) -> int:
         return int.from_bytes(self._take(size, what), "little")
@@ -83,9 +94,9 @@ class TensorFile:
         size = dtype.itemsize
         for extent in shape:
             size *= extent
-        if max(shape, default=0) > len(self._bytes) or size > len(self._bytes) - offset:
+        if max(shape, default=0) > self._size or size > self._size - offset:
             raise self.wrong("field %r (%s) needs %d bytes from byte %d on; the file has %d" % (
-                name, _times(shape), size, offset, len(self._bytes)))
+                name, _times(shape), size, offset, self._size))
         self.fields[name] = Field(dtype, offset, shape)
 
     def read(self, name: str, dtype: str, dimensions: int) -> npt.NDArray[Any]:
@@ -97,8 +108,7 @@ class TensorFile:
             raise self.wrong("field %r must be %s with %d dimensions, not %s, %s" % (
                 name, np.dtype(dtype).name, dimensions, kind.name, _times(shape)))
         count = int(np.prod(shape))
-        raw = self._bytes[offset:offset + count * kind.itemsize].tobytes()
-        return np.frombuffer(raw, kind).reshape(shape)
+        return np.frombuffer(self._bytes(offset, count * kind.itemsize), kind).reshape(shape)
 
 
 def _times(shape: tuple[int, ...]) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import _structs as structs
-from .._arguments import Path, choose
+from .._arguments import Path, choose, count_of
 from .._arrays import Floats, from_address
 from .._ffi import library
 from ..errors import from_struct
@@ -34,16 +34,17 @@ class _Table:
 def read(path: Path, kind: str | None = None, *, quantity: str | None = None, directions_only: bool = False,
          samples: str | structs.Samples | None = None, bins: str | None = None, channels: Sequence[str] | None = None,
          columns: Mapping[str, str] | None = None, missing: float | str | None = None, saturated: float | None = None,
-         directions: str | Sequence[str] | None = None) -> dict[str, Any]:
+         directions: str | Sequence[str] | None = None, max_bytes: int = 0) -> dict[str, Any]:
     """The members of `Samples`. kind: "csv" or "merl"; None: by content.
 
-    directions_only: no channel is needed; samples, bins: as of `Samples.from_merl`, directions as C has them; the rest as of
-        `Samples.from_csv`
+    directions_only: no channel is needed; samples, bins, max_bytes: as of `Samples.from_merl`, directions as C has them; the rest
+        as of `Samples.from_csv`
     """
     options = library().io_options()
     if kind is not None:
         options.format = choose("format", kind, structs.FORMAT)
     options.directions_only = int(directions_only)
+    options.max_bytes = max_bytes and count_of("max_bytes", max_bytes, 1)
     if bins is not None:
         options.merl_bins = choose("bins", bins, structs.MERL_BINS)
     if isinstance(samples, structs.Samples):
