@@ -11,7 +11,13 @@ WERROR ?= 0
 CFLAGS ?= -O2 -g
 CPPFLAGS ?=
 LDFLAGS ?=
-OBJCOPY ?= objcopy
+# Tools of the compiler's target, as the compiler names them (Zig has an archiver of its own, and the host's for the rest).
+tool_of = $(shell path=$$($(CC) -print-prog-name=$(1) 2> /dev/null); command -v "$$path" || echo $(1))
+ifeq ($(origin AR),default)
+AR := $(if $(filter zig,$(notdir $(firstword $(CC)))),$(firstword $(CC)) ar,$(call tool_of,ar))
+endif
+OBJCOPY ?= $(call tool_of,objcopy)
+NM ?= $(call tool_of,nm)
 PYTHON ?= python3
 INSTALL ?= install
 INSTALL_PROGRAM ?= $(INSTALL)
@@ -42,6 +48,8 @@ SOVERSION := 1
 # Kept whatever CFLAGS says. Proofs and reproducible bits need plain IEEE arithmetic: no contraction
 # into FMA (and never -ffast-math: base/exp.h refuses it). errno from libm is never read.
 REQUIRED := -std=c11 -ffp-contract=off -fno-math-errno -fvisibility=hidden -fPIC
+# 32-bit x86: registers of more than a double's digits are not for us (src/base/ieee.h).
+REQUIRED += $(if $(shell $(CC) $(CFLAGS) -dM -E -x c /dev/null 2> /dev/null | grep -w __i386__),-msse2 -mfpmath=sse)
 # -Wno-psabi: 64-byte vectors (src/base/lanes.h) never cross a call, so that their ABI does not matter.
 WARNINGS := -Wno-psabi -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
 ifeq ($(WERROR),1)
@@ -105,13 +113,16 @@ EXAMPLE_PROGRAMS := $(EXAMPLES:%.c=$(BUILD)/%)
 
 # ---- Targets -----------------------------------------------------------------
 
-.PHONY: all libraries programs examples test-programs demo deps deps-check check check-fast check-build check-c \
+.PHONY: all core libraries programs examples test-programs demo deps deps-check check check-fast check-build check-c \
         check-scripts check-asan check-python check-docs docs install uninstall clean distclean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 .SUFFIXES:
 
 all: libraries programs
+
+# What needs nothing but a C compiler and its C library: to build for another machine, say.
+core: $(STATIC) $(SHARED) $(BUILD)/brdffit.pc
 
 libraries: $(STATIC) $(STATIC_IO) $(SHARED) $(SHARED_IO) $(PKGCONFIG)
 
@@ -123,6 +134,7 @@ test-programs: $(TEST_PROGRAMS) $(REFERENCE_PROGRAMS) $(FUZZ_PROGRAMS) $(CAMPAIG
 
 help:
 	@echo 'make             libraries and programs, in $(BUILD)/'
+	@echo 'make core        libbrdffit alone, which needs no other library (CC=TRIPLET-gcc: for another machine)'
 	@echo 'make examples    programs of a page each that use the library, in $(BUILD)/examples/'
 	@echo 'make demo        install what is missing, build, fit the shipped example'
 	@echo 'make check       install what is missing, build, run every test (sanitizers included)'
@@ -133,6 +145,7 @@ help:
 	@echo 'make venv        the environment of the Python tests, of clang-format and of ruff, in $(VENV)'
 	@echo 'make check-package  the Python package: wheel, sdist, editable, ECOS=0, removal, in fresh environments'
 	@echo 'make deps        only install what is missing (Debian; elsewhere: say what is missing)'
+	@echo 'make amalgamation  the core as one file, $(BUILD)/amalgamation/brdffit.c (tools/amalgamate has options)'
 	@echo 'make docs        the documentation, in $(BUILD)/docs/html'
 	@echo 'make install     to $(prefix) (PREFIX, DESTDIR, bindir, libdir, ... are honoured)'
 	@echo 'make uninstall   remove what install put there'
@@ -140,6 +153,7 @@ help:
 	@echo 'make bench [DATA="dir ..."] [QUICK=1]   run time against error, beside every peer'
 	@echo 'make paper DATA=dir [STARTS=100]   the paper'\''s experiments on MERL or CSV files'
 	@echo 'make stress      strained problems against 50-digit references (RESULTS=file.md: a table there)'
+	@echo 'make export-errors DATA="dir ..."   what renderers make of measured materials, by target'
 	@echo 'make clean       remove what was built; keeps downloads'
 	@echo 'make distclean   remove $(BUILD)/ whole'
 	@echo
@@ -170,10 +184,17 @@ $(BUILD)/install.flags: FORCE
 	$(call remember,$(VERSION) $(prefix) $(exec_prefix) $(libdir) $(includedir))
 
 # Headers and libraries that the build needs are looked for once a tree; nothing is installed here.
-$(OBJ)/deps.ok:
+define look_for
 	@mkdir -p $(@D)
-	@CC='$(CC)' PYTHON='$(PYTHON)' sh tools/setup/deps.sh check $(if $(CLI),cli) $(if $(ECOS_FETCH),ecos) build
+	@CC='$(CC)' PYTHON='$(PYTHON)' sh tools/setup/deps.sh check $(1)
 	@touch $@
+endef
+
+$(OBJ)/core.ok:
+	$(call look_for,$(if $(ECOS_FETCH),ecos) compiler)
+
+$(OBJ)/deps.ok: | $(OBJ)/core.ok
+	$(call look_for,$(if $(CLI),cli) build)
 
 # What a recipe does, in a word; V=1 shows its commands, make -s nothing.
 silent := $(findstring s,$(filter-out --%,$(firstword -$(MAKEFLAGS))))
@@ -204,7 +225,7 @@ ECOS_FLAGS := -DDLONG -DLDL_LONG -DCTRLC=0 -isystem $(ECOS_ROOT)/include \
     -isystem $(ECOS_ROOT)/external/amd/include -isystem $(ECOS_ROOT)/external/ldl/include \
     -isystem $(ECOS_ROOT)/external/SuiteSparse_config
 
-$(THIRD_PARTY)/ecos-$(ECOS_VERSION)/.verified: | $(OBJ)/deps.ok
+$(THIRD_PARTY)/ecos-$(ECOS_VERSION)/.verified: | $(OBJ)/core.ok
 	@PYTHON='$(PYTHON)' sh tools/setup/fetch_ecos.sh '$(THIRD_PARTY)'
 
 ifneq ($(ECOS_DIR),)
@@ -223,18 +244,20 @@ $(OBJ)/ecos/%.o: $(OBJ)/compile.flags $(ASKING_OBJ)/ecos.flags | $(ECOS_READY)
 	    -c $(ECOS_ROOT)/$*.c -o $@
 endif
 
-# socp.o of the archive is our socp.c with all of ECOS, AMD and LDL inside and no name visible but ours.
+# socp.o of the archive is our socp.c with all of ECOS, AMD and LDL inside and no name visible but ours. (Thunks of 32-bit
+# x86 stay what they are: another file may lean on them.)
 SOCP := $(ASKING_OBJ)/src/solve/conic/socp.o
 SOCP_WHOLE := $(ASKING_OBJ)/socp.o
-CORE_MEMBERS := $(filter-out $(SOCP),$(CORE)) $(if $(filter $(SOCP),$(CORE)),$(SOCP_WHOLE))
+CORE_MEMBERS := $(if $(ECOS_OBJECTS),$(CORE:$(SOCP)=$(SOCP_WHOLE)),$(CORE))
 
 $(SOCP): EXTRA = $(ECOS_FLAGS) -fno-lto
 $(SOCP): $(ASKING_OBJ)/ecos.flags | $(ECOS_READY)
 
 $(SOCP_WHOLE): $(SOCP) $(ECOS_OBJECTS)
 	$(call say,LD,$@)$(CC) $(filter -m%,$(CFLAGS)) -r -nostdlib $^ -o $@.tmp && \
-	    $(OBJCOPY) --wildcard --keep-global-symbol='brdffit_*' $@.tmp $@
-	@rm -f $@.tmp
+	    $(NM) -g --defined-only $@.tmp | awk 'NF == 3 && $$3 !~ /^(brdffit_|__x86)/ { print $$3 }' > $@.names && \
+	    $(OBJCOPY) --localize-symbols=$@.names $@.tmp $@
+	@rm -f $@.tmp $@.names
 
 # ---- Instruction sets ---------------------------------------------------------
 
@@ -255,6 +278,8 @@ endif
 
 # ---- Compile -----------------------------------------------------------------
 
+$(filter $(OBJ)/src/io/%,$(IO)): | $(OBJ)/deps.ok
+
 define compile_source
 	@mkdir -p $(@D)
 	$(call say,CC,$<)$(COMPILE) -Isrc $(ISA_FLAGS) $(EXTRA) -c $< -o $@
@@ -265,10 +290,10 @@ define compile_test
 	$(call say,CC,$<)$(COMPILE) -Isrc -Itests $(if $(filter 0,$(ECOS)),-DBRDFFIT_NO_ECOS) -c $< -o $@
 endef
 
-$(OBJ)/src/%.o: src/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
+$(OBJ)/src/%.o: src/%.c $(OBJ)/compile.flags | $(OBJ)/core.ok
 	$(compile_source)
 
-$(OBJ)/no_ecos/src/%.o: src/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
+$(OBJ)/no_ecos/src/%.o: src/%.c $(OBJ)/compile.flags | $(OBJ)/core.ok
 	$(compile_source)
 
 $(OBJ)/tests/%.o: tests/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
@@ -276,6 +301,9 @@ $(OBJ)/tests/%.o: tests/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 
 $(OBJ)/no_ecos/tests/%.o: tests/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
 	$(compile_test)
+
+# Packets of brdffit_shade.h, as a renderer would compile them.
+$(OBJ)/tools/bench/bench_shade.o: EXTRA = -O3 $(if $(filter -DBRDFFIT_HAVE_AVX2,$(ISA_FLAGS)),$(AVX2_FLAGS))
 
 # Tools and examples see the public headers only.
 $(OBJ)/tools/%.o: tools/%.c $(OBJ)/compile.flags | $(OBJ)/deps.ok
@@ -377,11 +405,14 @@ $(BUILD)/%.pc: tools/setup/%.pc.in $(BUILD)/install.flags
 
 # ---- Install -----------------------------------------------------------------
 
-HEADERS := include/brdffit.h include/brdffit_io.h
+HEADERS := include/brdffit.h include/brdffit_io.h include/brdffit_shade.h
+SHADE_HEADERS := $(sort $(wildcard include/brdffit_shade/*.h))
 
 install: all
 	$(INSTALL) -d '$(DESTDIR)$(bindir)' '$(DESTDIR)$(libdir)' '$(DESTDIR)$(includedir)' '$(DESTDIR)$(pkgconfigdir)'
 	$(INSTALL_DATA) $(HEADERS) '$(DESTDIR)$(includedir)'
+	$(INSTALL) -d '$(DESTDIR)$(includedir)/brdffit_shade'
+	$(INSTALL_DATA) $(SHADE_HEADERS) '$(DESTDIR)$(includedir)/brdffit_shade'
 	$(INSTALL_DATA) $(STATIC) $(STATIC_IO) '$(DESTDIR)$(libdir)'
 	for name in libbrdffit libbrdffit_io; do \
 	    $(INSTALL) -m 755 $(BUILD)/$$name.so.$(VERSION) '$(DESTDIR)$(libdir)' && \
@@ -398,7 +429,8 @@ ifneq ($(MANUALS),)
 endif
 
 uninstall:
-	rm -f $(HEADERS:include/%='$(DESTDIR)$(includedir)'/%)
+	rm -f $(HEADERS:include/%='$(DESTDIR)$(includedir)'/%) $(SHADE_HEADERS:include/%='$(DESTDIR)$(includedir)'/%)
+	-rmdir '$(DESTDIR)$(includedir)/brdffit_shade' 2> /dev/null
 	for name in libbrdffit libbrdffit_io; do \
 	    for end in a so so.$(SOVERSION) so.$(VERSION); do rm -f '$(DESTDIR)$(libdir)'/$$name.$$end; done; \
 	done
@@ -518,6 +550,10 @@ check-asan: build-asan venv
 check-python: check-build venv
 	@$(RUN) $(PYTHON_UNITS)
 
+amalgamation:
+	@$(PYTHON) tools/amalgamate/amalgamate.py -o '$(BUILD)/amalgamation' --cc '$(CC)'
+.PHONY: amalgamation
+
 # Virtual environments and downloads: not in `make check`. A copy of this goes through every way to install the package.
 check-package:
 	@PYTHON='$(PYTHON)' sh tools/setup/package.sh
@@ -527,13 +563,13 @@ clean:
 	rm -rf $(BUILD)/obj $(BUILD)/tests $(BUILD)/asan $(BUILD)/ecos0 $(BUILD)/demo
 	rm -rf $(BUILD)/examples $(BUILD)/grown $(BUILD)/install $(BUILD)/whole $(BUILD)/python $(BUILD)/pycache $(BUILD)/pytest_cache
 	rm -f $(BUILD)/libbrdffit* $(BUILD)/*.pc $(BUILD)/*.flags $(BUILD)/brdffit $(BUILD)/goniometer $(BUILD)/bench_*
-	rm -rf $(BUILD)/docs
+	rm -rf $(BUILD)/docs $(BUILD)/amalgamation $(BUILD)/firmware $(BUILD)/cross $(BUILD)/packaging $(BUILD)/cmake
 
 distclean:
 	rm -rf $(BUILD) python/src/brdffit/_lib
 
 # In this order. The Python package's sdist has none of them: it builds the library only.
-include $(wildcard tools/bench/peers.mk) $(wildcard tools/bench/bench.mk) $(wildcard tools/stress/stress.mk) $(wildcard tests/fuzz/fuzz.mk) $(wildcard tests/faults/faults.mk)
+include $(wildcard tools/bench/peers.mk) $(wildcard tools/bench/bench.mk) $(wildcard tools/stress/stress.mk) $(wildcard tests/fuzz/fuzz.mk) $(wildcard tests/faults/faults.mk) $(wildcard tools/export/export.mk)
 
 -include $(wildcard $(foreach tree,$(sort $(OBJ) $(ASKING_OBJ)),$(tree)/src/*/*.d $(tree)/src/*/*/*.d $(tree)/tests/*.d $(tree)/tests/*/*.d))
 -include $(wildcard $(OBJ)/tools/*/*.d $(OBJ)/examples/*.d)

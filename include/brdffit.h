@@ -408,7 +408,7 @@ typedef struct brdffit_options {
                                 squares; >= 0. Default 1e-12 */
     double sigma_resolution; /* boxes narrower than this in every sigma (1/sqrt(n)) are not split;
                                 >= 0. Default 0: off */
-    size_t box_budget; /* most boxes to bound; >= 1. Default 1000000. Sizes the workspace */
+    size_t box_budget; /* most boxes to bound; >= 1. Default 1000000. A small one shrinks the workspace */
     double max_incidence; /* degrees, (0, 90]; 90 or more uses all above the horizon. Default 60 */
     brdffit_isa isa; /* Default AUTO. One that cannot run here is BRDFFIT_ERR_UNSUPPORTED */
     brdffit_progress_fn progress; /* or NULL */
@@ -442,6 +442,11 @@ typedef struct brdffit_options {
                                 proven of models with that. 0 (default): searched */
     double tangent_angle; /* degrees that the lobe's own tangent is turned from the samples' towards their bitangent
                                 n x t. Default 0 */
+    size_t memory; /* 0 (default): the workspace is what nearly every search wants. Otherwise so many bytes at most, as
+                      brdffit_workspace_size() counts them, and the search makes the best of them: where it runs out
+                      of nodes or places for boxes it goes on depth first, which costs boxes. The same bits on every
+                      processor. Below the least that the samples need, workspace_size() says what that is. Norm L2
+                      and engine moment; others, and two roughnesses that are searched, take what they need */
 } brdffit_options;
 
 /* Set struct_size and every default. NULL is fine: nothing happens. */

@@ -37,6 +37,8 @@ class Hook(BuildHookInterface):
         else:
             build_data["force_include"][str(library)] = "brdffit/_lib/" + library.name
             build_data["force_include"][str(source / "LICENSE")] = "brdffit/LICENSE"
+            # The text that brdffit/export/shaders.py makes shaders of.
+            build_data["force_include"][str(source / "include" / "brdffit_shade")] = "brdffit/_shade"
 
     def finalize(self, version, build_data, artifact_path):
         if self._scratch is not None:

@@ -30,6 +30,7 @@ says() { # example, what it prints
 says first_fit '^sigma 0.17[0-9]*, diffuse 0.2[45].*, specular 0.0[34]' # made with 0.18, 0.25, 0.04 and 1 % noise
 says workspace '^sigma .*: relative_gap after'
 says map '^3072 of 3072 texels certified; sigma from 0.100 to 0.494$'
+says shade '^sigma 0.3000; albedo 0.5[0-9]* by 4096 draws, 0.5[0-9]* by the table$'
 says stream '^100000 samples: sigma 0.1000 and 0.4000, .* (relative_gap)$'
 if [ "${ECOS:-1}" = 0 ]; then
     says proof '^verified: '
@@ -37,7 +38,7 @@ else
     says proof '^verified: proven again'
 fi
 set -- examples/*.c
-[ $# = 5 ] || {
+[ $# = 6 ] || {
     echo "an example without a line in $0" >&2
     exit 1
 }

@@ -49,6 +49,7 @@ END
 cat > "$stage/headers.cc" << 'END'
 #include <brdffit.h>
 #include <brdffit_io.h>
+#include <brdffit_shade.h>
 int main() { return brdffit_version()[0] == 0 || brdffit_io_drop_string(BRDFFIT_IO_DROP_MASKED)[0] == 0; }
 END
 

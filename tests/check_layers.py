@@ -41,7 +41,7 @@ def layer_problem(name, other):
     if here == there:
         return None
     if here.startswith("io"):
-        if other.startswith("base/environment") or other == "base/intake.h":
+        if other.startswith("base/environment") or other in {"base/intake.h", "base/ieee.h", "base/degrees.h"}:
             return None  # compiled into both libraries
         return None if there.startswith("io") else f"{name}: src/io uses the core's {other}"
     if there.startswith("io") or here not in LAYERS or there not in LAYERS:
@@ -64,6 +64,24 @@ def check_includes(files, problems, edges):
                     problems.append(problem)
             elif not name.startswith("io/") and header not in STANDARD | {"brdffit.h"} | SPECIAL.get(name, set()):
                 problems.append(f"{name} includes {header}: the core may not")
+
+
+def reaches(name, wanted, seen):
+    """Whether a file of src/ includes `wanted`, through others or not."""
+    if name == wanted:
+        return True
+    seen.add(name)
+    return any(reaches(header, wanted, seen) for header in includes(SRC / name)
+               if header not in seen and (SRC / header).exists())
+
+
+def check_arithmetic(files, problems):
+    """Whatever computes with doubles says what it needs of them."""
+    for path in files:
+        name = path.relative_to(SRC).as_posix()
+        if re.search(r"\bdouble\b", path.read_text(encoding="utf-8")) \
+                and not reaches(name, "base/ieee.h", set()):
+            problems.append(f"{name} computes with doubles, but includes no base/ieee.h")
 
 
 def unit(name):
@@ -154,6 +172,7 @@ def main():
     files = sorted(SRC.rglob("*.[ch]"))
     problems, include_edges, call_edges = [], set(), set()
     check_includes(files, problems, include_edges)
+    check_arithmetic([p for p in files if p.suffix == ".c"], problems)
     check_calls(problems, call_edges)
     check_rooms(problems)
     problems += ["files that include each other: " + ", ".join(members) for members in circles(include_edges)]

@@ -38,10 +38,10 @@ for library in "$build/libbrdffit.a" "$build/libbrdffit_io.a"; do
 done
 
 # The core, but for its allocating modules, needs from outside only memory and string functions and
-# those of libm that are exact or correctly rounded everywhere (and cos, see TOL_INCIDENCE); isa.o asks the compiler's
+# those of libm that are exact or correctly rounded everywhere; isa.o asks the compiler's
 # runtime which processor this is.
 exact='sqrt|fabs|fmin|fmax|floor|ceil|trunc|rint|nearbyint|round|lround|ldexp|scalbn|frexp|ilogb|logb|copysign|fmod'
-allowed="^(brdffit_.*|mem(cpy|move|set|cmp)|str(len|cmp|ncmp)|$exact|cos|fegetenv|fesetenv|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail(_local)?|__mem(cpy|move|set)_chk)\$"
+allowed="^(brdffit_.*|mem(cpy|move|set|cmp)|str(len|cmp|ncmp)|$exact|fegetenv|fesetenv|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail(_local)?|__mem(cpy|move|set)_chk)\$"
 problem "the core imports" \
     "$(nm -A -u "$build/libbrdffit.a" 2> /dev/null | grep -v -e '[:/]allocation\.o:' -e '[:/]socp\.o:' -e '[:/]ecos_memory\.o:' -e '[:/]isa\.o:.* __cpu_\(model\|indicator_init\)$' | awk '{ print $1, $NF }' |
         while read -r where name; do echo "$name" | grep -Eqx "$allowed" || echo "$where $name"; done)"

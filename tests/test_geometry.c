@@ -10,6 +10,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "io/csv/angle.h"
 #include "model/geometry.h"
 #include "support.h"
 #include "base/tolerance.h"
@@ -306,6 +307,22 @@ static void test_incidence_limit(void **state)
     }
 }
 
+/* The limit is the cosine of degrees, exact where it is rational, and that of nobody's libm. */
+static void test_limit_is_exact(void **state)
+{
+    double degrees, sine, cosine;
+
+    (void)state;
+    assert_true(brdffit_geometry_min_cosine(60.0) == 0.5 - TOL_INCIDENCE);
+    assert_true(brdffit_geometry_min_cosine(90.0) == 0.0);
+    assert_true(brdffit_geometry_min_cosine(INFINITY) == 0.0);
+    for (degrees = 0.25; degrees < 90.0; degrees += 0.25) {
+        brdffit_io_sincos_degrees(degrees, &sine, &cosine);
+        assert_true(brdffit_geometry_min_cosine(degrees) == cosine - TOL_INCIDENCE);
+        assert_true(fabs(cosine - cos(degrees * DEGREE)) < 4e-16);
+    }
+}
+
 /* Each reason, and which comes first when several hold. */
 static void test_skips(void **state)
 {
@@ -401,15 +418,11 @@ static void test_c_of_any_size(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random_directions),
-        cmocka_unit_test(test_near_mirror),
-        cmocka_unit_test(test_lengths),
-        cmocka_unit_test(test_normals),
-        cmocka_unit_test(test_angles_form),
-        cmocka_unit_test(test_incidence_limit),
-        cmocka_unit_test(test_skips),
-        cmocka_unit_test(test_grazing),
-        cmocka_unit_test(test_c_of_any_size),
+        cmocka_unit_test(test_random_directions), cmocka_unit_test(test_near_mirror),
+        cmocka_unit_test(test_lengths),           cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_angles_form),       cmocka_unit_test(test_incidence_limit),
+        cmocka_unit_test(test_limit_is_exact),    cmocka_unit_test(test_skips),
+        cmocka_unit_test(test_grazing),           cmocka_unit_test(test_c_of_any_size),
     };
 
     return cmocka_run_group_tests_name("geometry", tests, NULL, NULL);

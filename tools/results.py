@@ -1,4 +1,7 @@
-"""RESULTS.md: one marked section for each of `make paper`, `make bench` and `make stress`. SPDX-License-Identifier: MIT"""
+"""RESULTS.md: a marked section for each program that measures (`make paper`, `bench`, `stress`, `export-errors`).
+
+SPDX-License-Identifier: MIT
+"""
 import os
 import pathlib
 import platform

@@ -25,7 +25,7 @@ class ProgramHelp(Directive):
 def commands(program):
     """The names of its subcommands, as its help lists them, but for what another package brings."""
     text = subprocess.run([program, "--help"], capture_output=True, text=True, check=True).stdout
-    return [name for name in re.findall(r"^  ([a-z]+) +\S", text, re.M) if name != "report"]
+    return [name for name in re.findall(r"^  ([a-z]+) +\S", text, re.M) if name not in ("report", "export")]
 
 
 def setup(app):

@@ -22,15 +22,15 @@ LAYERS = (
     ("arguments", ("_arguments", "_arrays", "_forms", "_lobes", "_terms", "_weights", "_words", "options", "progress")),
     ("files as arrays", ("readers", "readers.*")),
     ("samples", ("samples",)),
-    ("fits", ("intervals", "fit", "boxes", "compare", "many", "merl", "regressor", "readers.rgl")),
+    ("fits", ("intervals", "fit", "boxes", "compare", "many", "merl", "regressor", "readers.rgl", "export", "export.*")),
     ("maps in memory", ("maps.*",)),
     ("maps out of core", ("outofcore", "outofcore.*")),
     ("maps", ("maps", "maps.dispatch")),
     ("stacks", ("readers.stack",)),
-    ("the public package", ("", "dask", "report", "report.*")),
+    ("the public package", ("", "dask", "export.command", "report", "report.*")),
 )
 # Who may name the class of the other, whose methods call it.
-TYPES = {("_words", "fit"), ("intervals", "fit"),
+TYPES = {("_words", "fit"), ("intervals", "fit"), ("export.fitted", "fit"),
          ("maps.evaluate", "maps.fitmap"), ("maps.files", "maps.fitmap"), ("maps.words", "maps.fitmap")}
 
 

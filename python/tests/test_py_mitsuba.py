@@ -18,7 +18,6 @@ import pytest
 
 import brdffit
 from brdffit.fit import SCHEMA
-from places import ROOT
 
 SINGLE = 2.0 ** -24  # half a unit in the last place of 1
 SAME = 64 * SINGLE  # relative, 4e-6: of formulas that are the same. Largest seen: 1.2e-6, twenty roundings
@@ -108,8 +107,9 @@ def predict(light, view, sigma, distribution="ggx", masking="smith-separable", c
 
 
 def render(mi, description, light, view):
-    """Mitsuba's f_r cos(theta_o), N x 3: its wi is where the camera is."""
-    bsdf, context, at = mi.load_dict(description), mi.BSDFContext(), mi.SurfaceInteraction3f()
+    """Mitsuba's f_r cos(theta_o), N x 3, of a BSDF or of what one is made from: its wi is where the camera is."""
+    bsdf = mi.load_dict(description) if isinstance(description, dict) else description
+    context, at = mi.BSDFContext(), mi.SurfaceInteraction3f()
     out = []
     for l, v in zip(light, view):
         at.wi = mi.Vector3f(*v)
@@ -230,16 +230,6 @@ def lambert(mi, base=(0.04, 0.5, 0.95)):
     return apart(predict(light, view, 0.5, channels=3, x=list(base), y=[[0.0]] * 3), theirs)
 
 
-# ---- A fit as a material -----------------------------------------------------
-
-
-def material(fit):
-    """By the function that docs/renderers.md shows."""
-    names = {}
-    exec(re.search("```python\n(.*?)```", (ROOT / "docs" / "renderers.md").read_text(encoding="utf-8"), re.DOTALL)[1], names)
-    return names["material"](fit)
-
-
 # ---- Tests -------------------------------------------------------------------
 
 
@@ -291,14 +281,18 @@ def test_what_mitsuba_renders_is_found_again(mi):
 
 
 @pytest.mark.parametrize("lobes", [["ggx"], ["ggx", "ggx"], ["ggx", "beckmann"]])
-def test_a_fit_as_a_material(mi, lobes):
+def test_a_fit_as_a_material(mi, lobes, tmp_path):
     fit = brdffit.Fit.from_dict({
         "schema": SCHEMA, "lobes": len(lobes), "distributions": lobes, "masking": "smith-separable", "quantity": "radiance",
         "channels": ["r", "g", "b"], "sigma": [0.1, 0.5][:len(lobes)], "x": [0.3, 0.2, 0.0],
-        "y": np.array([[0.02, 0.1], [0.03, 0.05], [0.01, 0.02]])[:, :len(lobes)]})
+        "y": np.array([[0.02, 0.1], [0.03, 0.05], [0.01, 0.02]])[:, :len(lobes)], "channel_scale": [1.0] * 3,
+        "max_incidence": 90.0})
+    assert fit.export("mitsuba", tmp_path / "one.xml").exact
+    text = re.search(r"<bsdf.*</bsdf>", (tmp_path / "one.xml").read_text(), re.DOTALL)[0]
+    text = text.replace("<bsdf", '<bsdf version="3.0.0"', 1)
     light, view = pairs()
     most = ggx_allowed(0.1)[:, None] + ((1 + WALTER) ** 2 - 1 if "beckmann" in lobes else 0)
-    within(apart(fit.predict(light, view), render(mi, material(fit), light, view)), most)
+    within(apart(fit.predict(light, view), render(mi, mi.load_string(text), light, view)), most)
 
 
 # ---- The tables of docs/renderers.md -----------------------------------------

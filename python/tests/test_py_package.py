@@ -31,7 +31,8 @@ def wheel(tmp_path_factory):
 def test_wheel(wheel, tmp_path):
     assert re.fullmatch(r"brdffit-%s-py3-none-\w+\.whl" % re.escape(brdffit.__version__), wheel.name)
     names = zipfile.ZipFile(wheel).namelist()
-    assert {"brdffit/_lib/libbrdffit.so", "brdffit/py.typed", "brdffit/two_lobe_satin.csv", "brdffit/LICENSE"} <= set(names)
+    assert {"brdffit/_lib/libbrdffit.so", "brdffit/py.typed", "brdffit/two_lobe_satin.csv", "brdffit/LICENSE",
+            "brdffit/_shade/lobes.h"} <= set(names)
     done = run(sys.executable, "-m", "pip", "install", "--no-deps", "--no-index", "--target", str(tmp_path / "site"), str(wheel))
     assert done.returncode == 0, done.stdout
     # Outside of the tree, without a compiler or make on the path.

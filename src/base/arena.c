@@ -22,7 +22,7 @@ void *brdffit_arena_take(struct arena *arena, size_t count, size_t bytes)
     size_t total;
     void *memory;
 
-    if (count > (SIZE_MAX - ARENA_ALIGNMENT) / bytes) {
+    if (bytes > 0 && count > (SIZE_MAX - ARENA_ALIGNMENT) / bytes) {
         arena->failed = 1;
         return NULL;
     }

@@ -8,6 +8,8 @@
 
 #include <stddef.h>
 
+#include "base/ieee.h"
+
 #define ARENA_ALIGNMENT 64u
 
 struct arena {

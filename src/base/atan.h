@@ -10,6 +10,8 @@
 #ifndef BRDFFIT_KERNEL_ATAN_H
 #define BRDFFIT_KERNEL_ATAN_H
 
+#include "base/ieee.h"
+
 static inline double kernel_atan(double x)
 {
     double high = 0.0, low = 0.0, t = x, square, sum = 0.0;

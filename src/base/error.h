@@ -4,6 +4,7 @@
 #ifndef BRDFFIT_ERROR_H
 #define BRDFFIT_ERROR_H
 
+#include "base/ieee.h"
 #include "brdffit.h"
 
 /* Fill *error (may be NULL) and return status. */

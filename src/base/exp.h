@@ -1,6 +1,6 @@
 /*
- * exp() with the same bits on every platform: no libm, no FMA contraction (the build passes
- * -ffp-contract=off), no branches, so that a compiler may run it in lanes without changing a bit.
+ * exp() with the same bits on every platform: no libm, no contraction (ieee.h), no branches, so that a
+ * compiler may run it in lanes without changing a bit.
  *
  * x = k ln 2 + r with |r| <= ln(2)/2: k by adding 1.5 * 2^52 (round to nearest), k ln 2 in two parts so
  * that r is exact to about 1 ulp, exp(r) by its Taylor polynomial of degree 13 (remainder 4e-18), 2^k by
@@ -11,16 +11,10 @@
 #ifndef BRDFFIT_KERNEL_EXP_H
 #define BRDFFIT_KERNEL_EXP_H
 
-#include <float.h>
 #include <stdint.h>
 #include <string.h>
 
-#ifdef __FAST_MATH__
-#error "brdffit's proofs need IEEE arithmetic: do not build with -ffast-math"
-#endif
-#if FLT_EVAL_METHOD != 0
-#error "brdffit's proofs need doubles that are doubles: on 32-bit x86 build with -msse2 -mfpmath=sse"
-#endif
+#include "base/ieee.h"
 
 static inline double kernel_exp(double x)
 {

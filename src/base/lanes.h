@@ -3,8 +3,8 @@
  * the instruction set, VEC doubles; sums have LANES lanes, and loops over them go over the parts 0, VEC, 2 VEC, ...
  * (A vector of all LANES would do in fewer lines, but GCC keeps vectors of more than one register in memory.)
  *
- * No operation crosses lanes but lanes_total_of(), which adds in one fixed order, and -ffp-contract=off keeps
- * multiplications and additions apart: so every instruction set gives the same bits. Files that are compiled once per
+ * No operation crosses lanes but lanes_total_of(), which adds in one fixed order, and contraction is forbidden (ieee.h), which
+ * keeps multiplications and additions apart: so every instruction set gives the same bits. Files that are compiled once per
  * instruction set (kernels_*.c) are made of these. SPDX-License-Identifier: MIT
  */
 #ifndef BRDFFIT_LANES_H

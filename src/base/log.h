@@ -9,6 +9,8 @@
 
 #include <math.h>
 
+#include "base/ieee.h"
+
 static inline double kernel_log(double x)
 {
     const double ln2_hi = 6.93147180369123816490e-01;

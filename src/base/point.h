@@ -4,6 +4,7 @@
 #ifndef BRDFFIT_POINT_H
 #define BRDFFIT_POINT_H
 
+#include "base/ieee.h"
 #include "brdffit.h"
 
 /* Most sides that a box can have: shape coordinates of all lobes together, one a lobe. */

@@ -5,6 +5,8 @@
 #ifndef BRDFFIT_TOLERANCE_H
 #define BRDFFIT_TOLERANCE_H
 
+#include "base/ieee.h"
+
 /* Half a unit in the last place of 1: the rounding unit u of IEEE double. */
 #define TOL_UNIT 1.1102230246251565e-16
 
@@ -146,11 +148,17 @@
 /* Halvings of a side until it is that narrow: its range is below 100, and the least width 1e-14. */
 #define LIMIT_HALVINGS 56
 
-/* Internal caps that size the workspace; a smaller box budget lowers them. */
-#define LIMIT_NODES_ONE 2048
-#define LIMIT_NODES_TWO 8192
+/* Internal caps that size the workspace; a smaller box budget lowers them. Of one lobe and two: eight times what the hardest
+ * of 100 materials wants, and more. A search that is out of them goes on depth first. */
+#define LIMIT_NODES_ONE 512
+#define LIMIT_NODES_TWO 1024
+#define LIMIT_NODES_MORE 8192
 #define LIMIT_NODES_SOCP 1048576
+#define LIMIT_HEAP_ONE 4096
+#define LIMIT_HEAP_TWO 32768
 #define LIMIT_HEAP 262144
+/* Places for pairs of nodes of lobes of one column each. */
+#define LIMIT_PAIRS 1024u
 /* The first nodes keep their lobe shape (M doubles each), up to this many doubles together. */
 #define LIMIT_SHAPE_DOUBLES ((size_t)16 << 20)
 

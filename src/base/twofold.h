@@ -1,7 +1,7 @@
 /*
  * Double-double arithmetic for the few samples whose geometry cancels: x = high + low, |low| <= u |high|.
  *
- * Sums by TwoSum (Knuth), products by Veltkamp's splitting (no FMA: the build forbids contraction, and bits are to be
+ * Sums by TwoSum (Knuth), products by Veltkamp's splitting (no FMA: ieee.h forbids contraction, and bits are to be
  * the same everywhere); both are exact as long as nothing overflows (|x| < 2^995) or underflows. Sum, product, quotient
  * and root of two such numbers are within 2^-102 of the exact ones, sums relative to |x| + |y|: each step leaves out
  * products of two low parts, a few u^2, and u^2 = 2^-106. SPDX-License-Identifier: MIT
@@ -10,6 +10,8 @@
 #define BRDFFIT_TWOFOLD_H
 
 #include <math.h>
+
+#include "base/ieee.h"
 
 struct twofold {
     double high, low;

@@ -7,6 +7,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "base/ieee.h"
+
 /* fmax() and fmin() without a call, for numbers; a NaN in x gives y. */
 static inline double larger(double x, double y)
 {

@@ -33,7 +33,7 @@
 #include "data/charge_parts.h"
 #include "data/reduce_parts.h"
 
-void brdffit_charge_layout(struct reduced *r, struct arena *arena, size_t count)
+void brdffit_charge_layout_scratch(struct reduced *r, struct arena *arena, size_t count)
 {
     double *light = ARENA_DOUBLES(arena, count);
     int g;
@@ -44,9 +44,6 @@ void brdffit_charge_layout(struct reduced *r, struct arena *arena, size_t count)
         c->light = light; /* the same whatever the geometry */
         c->b = ARENA_DOUBLES(arena, count);
         c->c = ARENA_DOUBLES(arena, count);
-        c->gamma = ARENA_DOUBLES(arena, count);
-        c->off = ARENA_DOUBLES(arena, count);
-        c->weight = ARENA_DOUBLES(arena, count);
     }
 }
 

@@ -28,37 +28,38 @@ struct reduced;
 /* Of the samples, as one geometry sees them. */
 struct charge {
     double *light, *b,
-        *c;      /* used samples: their errors (struct geometry). Of one with b = 0: b and c are what it hides */
-    double *gamma;              /* distinct c: largest error of c */
-    double *off, *weight;       /* norms of errors of b, and of b; where the table needs them */
-    double grazing;             /* largest relative error of n.l */
-    double diffuse;             /* of a and of the data, relative to their norms */
-    double relative;            /* largest relative error of b */
-    double reference;           /* error of c of c_min's first sample, which y takes up */
-    double spread;              /* error of c of the others of c_min against it */
-    double joined;              /* largest change of c by joining c_min (reduce.c) */
-    double hidden, hidden_c;    /* norm of what samples with b = 0 may hide, and their least c - c_min */
-    double hidden_data;         /* norm of their data */
-    double most_hidden;         /* largest b_hidden of a sample */
+        *c; /* used samples: their errors (struct geometry). Of one with b = 0: b and c are what it hides. Gone with
+                    the scratch of the reduction, once brdffit_charge_domain() was there */
+    double *gamma; /* distinct c: largest error of c */
+    double *off, *weight; /* norms of errors of b, and of b; where the table needs them */
+    double grazing; /* largest relative error of n.l */
+    double diffuse; /* of a and of the data, relative to their norms */
+    double relative; /* largest relative error of b */
+    double reference; /* error of c of c_min's first sample, which y takes up */
+    double spread; /* error of c of the others of c_min against it */
+    double joined; /* largest change of c by joining c_min (reduce.c) */
+    double hidden, hidden_c; /* norm of what samples with b = 0 may hide, and their least c - c_min */
+    double hidden_data; /* norm of their data */
+    double most_hidden; /* largest b_hidden of a sample */
     double any_hidden,
-        any_c;   /* as hidden and hidden_c, of samples with any data: what a published model may be off by */
-    double root;                /* norm of all data, twice that where the norm is not l2 */
-    brdffit_norm norm;          /* not l2: objectives are norms, and not their squares */
-    double least, all, mean;    /* norms of b over c_min and over all samples; mean c - c_min under it */
+        any_c; /* as hidden and hidden_c, of samples with any data: what a published model may be off by */
+    double root; /* norm of all data, twice that where the norm is not l2 */
+    brdffit_norm norm; /* not l2: objectives are norms, and not their squares */
+    double least, all, mean; /* norms of b over c_min and over all samples; mean c - c_min under it */
 };
 
 /* Of the lobes of one kind. */
 struct kind_charge {
     double body, tail; /* relative error of a lobe: in the domain; from its end on */
-    double low, step;  /* of the table: theta of its first cell, 1 / width. step = 0: there is none */
+    double low, step; /* of the table: theta of its first cell, 1 / width. step = 0: there is none */
     double cell[CHARGE_CELLS];
-    double high;       /* end of the domain: the tail begins */
+    double high; /* end of the domain: the tail begins */
 };
 
 /* A box's charge: see brdffit_charge_pay(). */
 struct doubt {
-    double error;       /* of the model, relative to the data */
-    double hidden;      /* the same of what is hidden */
+    double error; /* of the model, relative to the data */
+    double hidden; /* the same of what is hidden */
     double hidden_data; /* norm of the data that may hide it */
 };
 
@@ -67,12 +68,13 @@ struct doubt {
  * >= (1 - d / q) b - d q for any q > 0. Nearly nothing is lost with q the root of what closes boxes now, so q follows that.
  */
 struct payment {
-    double doubt;                 /* d, absolute; below 0 where boxes differ: then they pay one by one */
-    double total;                 /* of the data: what no bound exceeds */
+    double doubt; /* d, absolute; below 0 where boxes differ: then they pay one by one */
+    double total; /* of the data: what no bound exceeds */
     double target, share, offset; /* what a bound pays while `target` closes boxes: a share of it, and an offset */
 };
 
-void brdffit_charge_layout(struct reduced *reduced, struct arena *arena, size_t count);
+/* What is by sample. Arrays by group are laid out with the others (reduce.c). */
+void brdffit_charge_layout_scratch(struct reduced *reduced, struct arena *arena, size_t count);
 
 /* No errors: what reduce.c starts from. */
 void brdffit_charge_none(struct reduced *reduced);

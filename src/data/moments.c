@@ -9,49 +9,48 @@
 #include "base/tolerance.h"
 #include "data/slack.h"
 
-/* Doubles for lobe shapes: all of them where that is reasonable, else those of the first nodes. */
-static size_t shape_doubles(size_t stride, uint32_t capacity)
+size_t brdffit_moments_scratches(const struct model *model)
 {
-    return stride < LIMIT_SHAPE_DOUBLES / capacity ? stride * capacity : LIMIT_SHAPE_DOUBLES;
-}
-
-/* Shapes a node keeps: phi, and for lobes that are not exponential x and slope. */
-static size_t kept(const struct lobe_kind *kind)
-{
-    return kind->exponential ? 1 : 3;
-}
-
-static void layout_kind(struct kind_moments *m, struct arena *arena, size_t stride, size_t channels, size_t fixed,
-                        uint32_t nodes)
-{
-    m->node = brdffit_arena_take(arena, nodes, sizeof *m->node);
-    marks_layout(&m->ready, arena, nodes);
-    m->tau_pool = brdffit_arena_take(arena, nodes, (channels + fixed) * sizeof(double));
-    m->functional_pool = brdffit_arena_take(arena, nodes, (fixed + 2 * channels) * sizeof(struct functional));
-    m->phi_doubles = shape_doubles(stride * kept(m->kind), nodes);
-    m->phi_pool = ARENA_DOUBLES(arena, m->phi_doubles);
-}
-
-void brdffit_moments_layout(struct moments *m, struct arena *arena, size_t count, size_t channels, uint32_t capacity,
-                            const struct model *model)
-{
-    size_t stride = PADDED(count);
     int i;
 
-    m->capacity = capacity;
+    for (i = 0; i < model->kinds && model->kind[i]->exponential; i++) {
+    }
+    return i < model->kinds ? 6 : 2;
+}
+
+static void layout_kind(struct kind_moments *m, struct arena *arena, const struct moments_room *room,
+                        const struct model *model)
+{
+    uint32_t nodes = room->nodes + (uint32_t)model->lobes; /* one a lobe at any theta */
+    size_t fixed = (size_t)model->fixed;
+
+    m->node = brdffit_arena_take(arena, nodes, sizeof *m->node);
+    marks_layout(&m->ready, arena, nodes);
+    m->tau_pool = brdffit_arena_take(arena, nodes, (room->channels + fixed) * sizeof(double));
+    m->functional_pool = brdffit_arena_take(arena, nodes, room->functionals * sizeof(struct functional));
+    m->phi_doubles = room->stride * moments_kept(m->kind) * room->shaped;
+    m->phi_pool = brdffit_arena_take(arena, room->shaped * moments_kept(m->kind), room->stride * sizeof(double));
+}
+
+void brdffit_moments_layout(struct moments *m, struct arena *arena, const struct moments_room *room,
+                            const struct model *model)
+{
+    int i;
+
+    m->capacity = room->nodes;
     m->kinds = model->kinds;
     for (i = 0; i < model->fixed; i++) {
-        m->omega[i] = ARENA_DOUBLES(arena, channels);
+        m->omega[i] = ARENA_DOUBLES(arena, room->channels);
     }
-    m->norm = ARENA_DOUBLES(arena, channels);
-    m->cached = model->lobes * model->each > 1 ? PAIR_CACHE * (uint32_t)(model->each * model->each) : 0;
+    m->norm = ARENA_DOUBLES(arena, room->channels);
+    m->cached = room->pairs;
     m->cache = m->cached ? brdffit_arena_take(arena, m->cached, sizeof *m->cache) : NULL;
     for (i = 0; i < model->kinds; i++) {
         m->kind[i].kind = model->kind[i];
         m->kind[i].geometry = model->geometry[i];
-        layout_kind(&m->kind[i], arena, stride, channels, (size_t)model->fixed, capacity + SCRATCH_NODES);
+        layout_kind(&m->kind[i], arena, room, model);
     }
-    m->scratch = ARENA_DOUBLES(arena, stride > SIZE_MAX / 64 ? SIZE_MAX / 8 : 6 * stride);
+    m->scratch = brdffit_arena_take(arena, room->stride, brdffit_moments_scratches(model) * sizeof(double));
 }
 
 /* Fixed columns against each other and the data. */
@@ -201,7 +200,7 @@ static void projections(const struct moments *m, const struct table *t, struct n
 /* Where a node keeps its shapes, and these. */
 static void fill_shapes(struct moments *m, struct kind_moments *own, uint32_t index, struct node *node)
 {
-    size_t stride = m->data->stride, each = stride * kept(own->kind);
+    size_t stride = m->data->stride, each = stride * moments_kept(own->kind);
 
     node->phi = (index + (size_t)1) * each <= own->phi_doubles ? own->phi_pool + index * each : NULL;
     node->x = node->phi && !own->kind->exponential ? node->phi + stride : NULL;

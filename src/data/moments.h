@@ -68,11 +68,16 @@ struct moments {
     size_t evaluated;   /* nodes computed */
     struct pair *cache; /* direct-mapped: a hit saves a sum, a miss costs nothing else */
     uint32_t cached;    /* places in it */
-    double *scratch;    /* 4 x stride */
+    double *scratch;    /* brdffit_moments_scratches() x stride */
 };
 
-/* Places for pairs of lobes of one column each. */
-#define PAIR_CACHE 1024u
+/* What a search may keep; numbers, so that the same memory holds the same on every processor. */
+struct moments_room {
+    uint32_t nodes;  /* of each kind */
+    uint32_t shaped; /* the first so many of them keep their shapes */
+    uint32_t pairs;  /* places for pairs, 0 where there are none */
+    size_t stride, channels, functionals;
+};
 
 /* Whether the columns of two kinds have one exponential phi, so that one sum says how x is spread under both. */
 static inline int moments_one_family(const struct moments *m, int first, int second)
@@ -83,11 +88,15 @@ static inline int moments_one_family(const struct moments *m, int first, int sec
            one->kind->exponential;
 }
 
-/* Nodes that can be asked for at any theta: one a lobe. */
-#define SCRATCH_NODES BRDFFIT_MAX_LOBES
+void brdffit_moments_layout(struct moments *moments, struct arena *arena, const struct moments_room *room,
+                            const struct model *model);
 
-void brdffit_moments_layout(struct moments *moments, struct arena *arena, size_t count, size_t channels,
-                            uint32_t node_capacity, const struct model *model);
+/* Doubles of a shape that a node keeps for each group, and vectors of scratch: fewer where every kind is exponential. */
+static inline size_t moments_kept(const struct lobe_kind *kind)
+{
+    return kind->exponential ? 1 : 3;
+}
+size_t brdffit_moments_scratches(const struct model *model);
 
 void brdffit_moments_start(struct moments *moments, const struct reduced *data, const struct model *model,
                            const struct kernels *kernels);
@@ -98,7 +107,7 @@ const struct node *brdffit_moments_node(struct moments *moments, int kind, uint3
 /* Have node `index` of a kind, and every pair with it, computed anew: its coordinate is another now. */
 void brdffit_moments_forget(struct moments *moments, int kind, uint32_t index);
 
-/* A node at any theta, kept until the next call with the same `slot` (below SCRATCH_NODES). */
+/* A node at any theta, kept until the next call with the same `slot` (below the number of lobes). */
 const struct node *brdffit_moments_scratch(struct moments *moments, int kind, uint32_t slot, double theta);
 
 /* The pair of two scratch nodes of a kind. */

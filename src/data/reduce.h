@@ -45,7 +45,7 @@ struct table {
 };
 
 /* Pairs of different geometries. */
-#define CROSSES_MOST (KINDS_MOST * (KINDS_MOST - 1) / 2)
+#define CROSSES_MOST (KINDS_MOST * (KINDS_MOST - 1) / 2 + (KINDS_MOST == 1)) /* arrays of none are not C */
 
 struct reduced {
     size_t channels;    /* K */
@@ -80,16 +80,18 @@ struct reduced {
     size_t counted;    /* samples that the result says were used: the same, unless they came as sums */
     size_t skipped[BRDFFIT_SKIP_COUNT];
 
-    /* scratch while reducing */
+    uint32_t *sample; /* used: which of the caller's each is */
+    uint32_t *begin;  /* place in `order` where each group begins, and one past the last */
+    size_t groups;    /* `distinct` ones with a lobe, then those without */
+
+    /* scratch while reducing, and up to brdffit_charge_domain() */
     size_t room; /* distance of two columns of sample_a */
     double *sample_a, *sample_factor; /* F x room; used: factor = root of w times f_r to radiance */
     int diffuse_off; /* whether there are any: */
     double *off_a; /* F x room: absolute errors of a, but for those of n.l, which all share */
     double off_norm[FIXED_MOST],
         off_share[FIXED_MOST]; /* their norm, that of the fit, and relative to that of a (4 at most) */
-    uint32_t *sample, *order, *merge;
-    uint32_t *begin; /* place in `order` where each group begins, and one past the last */
-    size_t groups;   /* `distinct` ones with a lobe, then those without */
+    uint32_t *order, *merge;
     double *block;
 };
 
@@ -110,8 +112,16 @@ static inline size_t reduced_functionals(const struct model *model, size_t chann
     return (size_t)model->fixed + 2 * channels;
 }
 
+/* All that a reduction needs, or what stays and what is scratch apart: others may use the memory of the latter later. */
 void brdffit_reduce_layout(struct reduced *reduced, struct arena *arena, size_t count, size_t channels,
                            const struct model *model);
+void brdffit_reduce_layout_kept(struct reduced *reduced, struct arena *arena, size_t count, size_t channels,
+                                const struct model *model);
+void brdffit_reduce_layout_scratch(struct reduced *reduced, struct arena *arena, size_t count, size_t channels,
+                                   const struct model *model);
+
+/* Pack the arrays by group, which are the last of those that stay, to the groups that there are; where they end then. */
+void *brdffit_reduce_pack(struct reduced *reduced);
 
 brdffit_status brdffit_reduce(struct reduced *reduced, const brdffit_samples *samples, const struct model *model,
                               const brdffit_options *options, brdffit_error *error);

@@ -209,4 +209,5 @@ void brdffit_fit_prepare(struct fit *f, const brdffit_options *o)
         f->varpro.theta_low[p] = fit_domain(f, p)->low;
         f->varpro.theta_high[p] = fit_domain(f, p)->high;
     }
+    brdffit_fit_layout_search(f, o);
 }

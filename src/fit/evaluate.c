@@ -46,7 +46,8 @@ static brdffit_status check_model(const brdffit_model *m, brdffit_error *error)
             return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown distribution");
         }
     }
-    if (!((unsigned)m->fresnel < BRDFFIT_FRESNEL_COUNT && (unsigned)m->diffuse < BRDFFIT_DIFFUSE_COUNT)) {
+    if (!((unsigned)m->fresnel < BRDFFIT_FRESNEL_COUNT && (unsigned)m->diffuse < BRDFFIT_DIFFUSE_COUNT &&
+          brdffit_diffuse_columns(m->diffuse) <= FIXED_MOST)) {
         return brdffit_fail(error, BRDFFIT_ERR_ARGUMENT, "model: unknown Fresnel or diffuse term");
     }
     for (p = 0; p < m->lobes; p++) {

@@ -26,12 +26,13 @@ static double first_boxes(const struct model *model, uint32_t first)
     return boxes;
 }
 
-/* First partition: as fine as the budget allows, so that even a budget of one box gives a bound of the whole. */
-static uint32_t first_intervals(const struct model *model, const brdffit_options *o)
+/* First partition: as fine as the budget allows, so that even a budget of one box gives a bound of the whole; and of half of
+ * the nodes at most. */
+static uint32_t first_intervals(const struct model *model, const struct axis *axis, const brdffit_options *o)
 {
     uint32_t first = FIRST_INTERVALS;
 
-    while (first > 1 && first_boxes(model, first) > (double)o->box_budget) {
+    while (first > 1 && (first_boxes(model, first) > (double)o->box_budget || 2 * first > axis->node_capacity)) {
         first /= 2;
     }
     return first;
@@ -103,7 +104,7 @@ brdffit_status brdffit_fit_start(struct fit *f, const brdffit_options *o, struct
         const struct domain *d = &f->domain[kind];
         int point = d->high <= brdffit_fit_outwards(d->low, 4.0); /* one roughness, and what rounding may make of it */
 
-        brdffit_axis_start(&f->axis[kind], d->low, d->high, point ? 1 : first_intervals(&f->model, o));
+        brdffit_axis_start(&f->axis[kind], d->low, d->high, point ? 1 : first_intervals(&f->model, &f->axis[kind], o));
     }
     status = brdffit_fit_engine_start(f, o, engine);
     if (status != BRDFFIT_OK) {

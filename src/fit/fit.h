@@ -72,6 +72,9 @@ struct fit {
     double triangle_error; /* brdffit_fit_triangle_error() */
     double least; /* smallest objective met, exact */
     double (*try_point)(void *fit, struct point *point); /* the engine's */
+    void *block; /* scratch of the reduction, then the search (layout.c) */
+    size_t block_bytes;
+    int limited; /* whether that is less than a search may want */
     struct observer observer;
 };
 
@@ -114,6 +117,9 @@ brdffit_status brdffit_fit_anisotropic(const brdffit_samples *samples, const brd
 
 /* Its domain, axes and engine, of a fit that is open. */
 void brdffit_fit_anisotropic_engine(struct fit *fit, const brdffit_options *options, struct engine *engine);
+
+/* After the reduction, lay out what the search keeps where that had its scratch: written to once the search begins. */
+void brdffit_fit_layout_search(struct fit *fit, const brdffit_options *options);
 
 /* Check the call, lay out and reduce. `result` is only looked at for NULL. */
 brdffit_status brdffit_fit_open(struct fit *fit, const brdffit_samples *samples, const brdffit_options *options,

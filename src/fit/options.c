@@ -1,5 +1,5 @@
 /*
- * Options: defaults, ranges, and the workspace that they need. SPDX-License-Identifier: MIT
+ * Options: defaults and ranges. SPDX-License-Identifier: MIT
  */
 #include <math.h>
 
@@ -41,12 +41,43 @@ static brdffit_status bad(brdffit_error *error, const char *message, double valu
     return BRDFFIT_ERR_OPTION;
 }
 
+/* What a copy of the library may be without (tools/amalgamate). */
+static brdffit_status check_parts(const brdffit_options *o, brdffit_error *error)
+{
+    int p;
+
+    for (p = 0; p < o->lobes; p++) {
+        if (!brdffit_lobe_kind_of(brdffit_model_asked(o, p))) {
+            return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
+                                "this copy of the library is without that distribution");
+        }
+    }
+#ifdef BRDFFIT_WITHOUT_ANISOTROPIC
+    if (o->anisotropic) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "this copy of the library is without anisotropic lobes");
+    }
+#endif
+    if (o->anisotropic && o->lobes <= 2 && o->lobes + 1 > SIDES_MOST) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
+                            "this copy of the library has no room for that many roughnesses");
+    }
+    if (brdffit_diffuse_columns(o->diffuse) > FIXED_MOST || (o->fresnel ? 2 : 1) > EACH_MOST) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
+                            "this copy of the library is without Fresnel, or without that diffuse term");
+    }
+    return BRDFFIT_OK;
+}
+
 static brdffit_status check_choices(const brdffit_options *o, brdffit_error *error)
 {
     int p;
 
     if (!(o->lobes >= 1 && o->lobes <= BRDFFIT_MAX_LOBES)) {
-        return bad(error, "lobes must be 1, 2 or 3", o->lobes);
+        return bad(error,
+                   BRDFFIT_MAX_LOBES > 2   ? "lobes must be 1, 2 or 3"
+                   : BRDFFIT_MAX_LOBES > 1 ? "lobes must be 1 or 2"
+                                           : "lobes must be 1",
+                   o->lobes);
     }
     for (p = 0; p < o->lobes; p++) {
         brdffit_distribution distribution = brdffit_model_asked(o, p);
@@ -70,6 +101,9 @@ static brdffit_status check_choices(const brdffit_options *o, brdffit_error *err
     if (!((unsigned)o->masking < BRDFFIT_MASKING_COUNT)) {
         return bad(error, "unknown masking", (double)o->masking);
     }
+    if (check_parts(o, error) != BRDFFIT_OK) {
+        return BRDFFIT_ERR_UNSUPPORTED;
+    }
     for (p = 0; p < o->lobes; p++) {
         if (!brdffit_lobe_kind_masked(brdffit_model_asked(o, p), o->masking)) {
             return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "masking is that of Beckmann and GGX lobes only");
@@ -86,6 +120,10 @@ static brdffit_status check_choices(const brdffit_options *o, brdffit_error *err
     }
     if (!brdffit_isa_supported(o->isa)) {
         return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED, "this build or processor has no such instruction set");
+    }
+    if (ieee_contracts() || brdffit_kernels(o->isa)->contracts()) {
+        return brdffit_fail(error, BRDFFIT_ERR_UNSUPPORTED,
+                            "the library was compiled with multiply-adds: compile it with -ffp-contract=off");
     }
     return BRDFFIT_OK;
 }
@@ -180,90 +218,4 @@ brdffit_status brdffit_options_check(const brdffit_options *o, brdffit_error *er
         return bad(error, "max_incidence must be positive degrees", o->max_incidence);
     }
     return BRDFFIT_OK;
-}
-
-/*
- * Every split makes one node, so a budget of boxes bounds them too; and those that a search lends once it is full, enough for
- * every side to be halved until it is too narrow. Engine socp keeps nothing else about nodes.
- */
-static uint32_t node_capacity(const brdffit_options *o)
-{
-    size_t cap = o->engine == BRDFFIT_ENGINE_SOCP || o->norm != BRDFFIT_NORM_L2 ? LIMIT_NODES_SOCP
-                 : o->lobes + o->anisotropic > 1                                ? LIMIT_NODES_TWO
-                                                                                : LIMIT_NODES_ONE;
-    size_t wanted = o->box_budget < cap
-                        ? o->box_budget + FIRST_INTERVALS + 2 + LIMIT_HALVINGS * (size_t)(o->lobes + o->anisotropic)
-                        : cap;
-
-    return (uint32_t)(wanted < cap ? wanted : cap);
-}
-
-/* Boxes open at once: a split closes one and opens one more than lobes at most. */
-static size_t heap_capacity(const brdffit_options *o)
-{
-    size_t wanted = o->box_budget < LIMIT_HEAP ? o->box_budget + 2 + BRDFFIT_MAX_LOBES : LIMIT_HEAP;
-
-    return wanted < LIMIT_HEAP ? wanted : LIMIT_HEAP;
-}
-
-void brdffit_fit_layout(struct fit *f, struct arena *arena, size_t count, size_t channels, const brdffit_options *o)
-{
-    uint32_t nodes = node_capacity(o);
-    int kind, two = brdffit_options_two_shapes(o);
-
-    brdffit_model_make(&f->model, o);
-    brdffit_reduce_layout(&f->data, arena, count, channels, &f->model);
-    if (arena->failed) {
-        return;
-    }
-    f->rows_error = 0.0;
-    f->physical = 0;
-    f->handout = brdffit_arena_take(arena, 1, sizeof *f->handout);
-    f->x = ARENA_DOUBLES(arena, channels);
-    f->y = brdffit_arena_take(arena, channels, (size_t)o->lobes * sizeof(double));
-    f->rms = ARENA_DOUBLES(arena, channels);
-    f->z = brdffit_arena_take(arena, channels, (size_t)f->model.columns * sizeof(double));
-    f->f0 = f->model.each > 1 ? brdffit_arena_take(arena, channels, (size_t)o->lobes * sizeof(double)) : NULL;
-    f->x_more = f->model.fixed > 1 ? brdffit_arena_take(arena, channels, (size_t)(f->model.fixed - 1) * sizeof(double))
-                                   : NULL;
-    f->at_limit = o->physical ? brdffit_arena_take(arena, channels, sizeof *f->at_limit) : NULL;
-    brdffit_varpro_layout(&f->varpro, arena, count, channels, &f->model);
-    for (kind = 0; kind < (two ? f->model.sides : f->model.axes); kind++) {
-        brdffit_axis_layout(&f->axis[kind], arena, nodes);
-        brdffit_axis_reserve(&f->axis[kind], LIMIT_HALVINGS * (uint32_t)f->model.sides);
-    }
-    brdffit_heap_layout(&f->heap, arena, heap_capacity(o));
-    if (o->norm != BRDFFIT_NORM_L2) {
-        brdffit_l1_linf_layout(&f->restricted, arena, count, channels, &f->model, o->norm);
-        brdffit_bound_lp_layout(&f->linear, arena, count, channels, &f->model, o->norm);
-    } else if (o->engine == BRDFFIT_ENGINE_SOCP) {
-        brdffit_bound_socp_layout(&f->socp, arena, count, channels, &f->model);
-    } else if (two) {
-        brdffit_bound_cell_layout(&f->cells, arena, count, channels, &f->model);
-    } else {
-        brdffit_bound_moment_layout(&f->moment, arena, count, channels, nodes, &f->model);
-        if (o->physical) {
-            brdffit_limits_layout(&f->moment.limits, arena, channels, &f->model);
-        }
-    }
-}
-
-size_t brdffit_fit_workspace(size_t count, size_t channels, const brdffit_options *options)
-{
-    size_t given = 0;
-    struct arena arena;
-    struct fit fit;
-
-    if (channels == 0 || brdffit_options_check(options, NULL) != BRDFFIT_OK) {
-        return 0;
-    }
-    brdffit_arena_init(&arena, NULL, 0);
-    brdffit_fit_layout(&fit, &arena, count, channels, options);
-    if (brdffit_options_two_shapes(options)) { /* what was found is fitted once more, in the same workspace */
-        brdffit_options again = *options;
-
-        again.anisotropy = 1.0;
-        given = brdffit_fit_workspace(count, channels, &again);
-    }
-    return arena.failed ? 0 : arena.used > given ? arena.used : given;
 }

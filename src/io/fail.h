@@ -4,6 +4,7 @@
 #ifndef BRDFFIT_IO_FAIL_H
 #define BRDFFIT_IO_FAIL_H
 
+#include "base/ieee.h"
 #include "brdffit.h"
 
 /* Where; members that do not apply hold BRDFFIT_NONE. */

@@ -4,6 +4,7 @@
 #ifndef BRDFFIT_IO_TABLE_H
 #define BRDFFIT_IO_TABLE_H
 
+#include "base/ieee.h"
 #include "brdffit_io.h"
 #include "io/bytes/bytes.h"
 #include "io/bytes/map.h"

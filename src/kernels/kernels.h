@@ -23,11 +23,20 @@ struct local {
     double mean_low, mean_high;
 };
 
-/* Most columns of a model: without a shape, of lobes, and all together; and most of a lobe. */
+/* Most columns of a model: without a shape, of a lobe, of all lobes, and all together. Less in a copy that is made without
+ * them (tools/amalgamate), with room for four columns in any: restricted problems count on that. */
+#ifdef BRDFFIT_WITHOUT_DIFFUSE
+#define FIXED_MOST 1
+#else
 #define FIXED_MOST 3
-#define MOVING_MOST 6
-#define COLUMNS_MOST 7
+#endif
+#ifdef BRDFFIT_WITHOUT_FRESNEL
+#define EACH_MOST 1
+#else
 #define EACH_MOST 2
+#endif
+#define MOVING_MOST (EACH_MOST * SIDES_MOST)
+#define COLUMNS_MOST (FIXED_MOST + MOVING_MOST > 7 ? 7 : FIXED_MOST + MOVING_MOST < 4 ? 4 : FIXED_MOST + MOVING_MOST)
 
 /* Off-diagonal cosines of so many columns, and which of them is that of columns i < j. */
 #define COSINES(columns) ((columns) * ((columns) - 1) / 2)
@@ -62,6 +71,9 @@ struct gains_list {
 #define GAINS(sides) (1u << (2 * (sides)))
 
 struct kernels {
+    /* Whether these were compiled with products that are not rounded (base/ieee.h): then nothing may be made of them. */
+    int (*contracts)(void);
+
     /* phi[j] = exp(-c[j] u); u >= 0. */
     void (*exponential_shape)(const double *c, size_t n, double u, double *phi);
 

@@ -98,11 +98,13 @@ void brdffit_diffuse_row(brdffit_diffuse diffuse, const struct geometry *g, doub
 {
     column[0] = diffuse == BRDFFIT_DIFFUSE_NONE ? 0.0 : g->a;
     error[0] = 0.0;
+#ifndef BRDFFIT_WITHOUT_DIFFUSE
     if (diffuse == BRDFFIT_DIFFUSE_OREN_NAYAR) {
         oren_nayar(&g->angles, g->a, column + 1, error + 1);
     } else if (diffuse == BRDFFIT_DIFFUSE_BURLEY) {
         burley(&g->angles, g->a, column, error);
     }
+#endif
 }
 
 void brdffit_schlick_column(struct geometry *g)

@@ -12,6 +12,7 @@
 
 #include "model/lobe.h"
 #include "base/constants.h"
+#include "base/degrees.h"
 #include "base/error.h"
 #include "base/tolerance.h"
 #include "base/vector.h"
@@ -56,7 +57,13 @@ brdffit_status brdffit_geometry_check(const brdffit_samples *s, int need_values,
 
 double brdffit_geometry_min_cosine(double max_incidence)
 {
-    return max_incidence >= 90.0 ? 0.0 : cos(max_incidence * (PI / 180.0)) - TOL_INCIDENCE;
+    double sine, cosine;
+
+    if (max_incidence >= 90.0) {
+        return 0.0;
+    }
+    degrees_sincos(max_incidence, &sine, &cosine);
+    return cosine - TOL_INCIDENCE;
 }
 
 /* Unit vector, scaled first so that any finite non-zero length works. 0 on failure. */

@@ -110,11 +110,12 @@ extern const struct lobe_kind brdffit_lobe_beckmann, brdffit_lobe_ggx, brdffit_l
 /* GGX without masking. */
 extern const struct lobe_kind brdffit_lobe_ggx_bare;
 
-/* The distribution must be one of ours. */
+/* The distribution must be one of the enumeration; NULL where a copy of the library is without it (tools/amalgamate). */
 const struct lobe_kind *brdffit_lobe_kind_of(brdffit_distribution distribution);
 
-/* The same with a masking; NULL where the distribution has it not. */
+/* The same with a masking; NULL where the distribution has it not. The second: of any but that by V cavities (masked.c). */
 const struct lobe_kind *brdffit_lobe_kind_masked(brdffit_distribution distribution, brdffit_masking masking);
+const struct lobe_kind *brdffit_lobe_kind_other_masking(brdffit_distribution distribution, brdffit_masking masking);
 
 /* lambda(s) phi(s, c): g / b, and what y is divided by at c_min; within a dozen u, however small. */
 struct wide brdffit_lobe_factor(const struct lobe_kind *kind, struct twofold s, double c);

@@ -22,6 +22,12 @@ const struct lobe_kind *brdffit_lobe_kind_of(brdffit_distribution distribution)
     return table[distribution];
 }
 
+const struct lobe_kind *brdffit_lobe_kind_masked(brdffit_distribution distribution, brdffit_masking masking)
+{
+    return masking == BRDFFIT_MASKING_V_CAVITY ? table[distribution]
+                                               : brdffit_lobe_kind_other_masking(distribution, masking);
+}
+
 struct wide brdffit_lobe_factor(const struct lobe_kind *kind, struct twofold s, double c)
 {
     return wide_times(wide_of(kind->lambda(s.high)), kind->phi(s, c));
@@ -43,7 +49,7 @@ struct wide brdffit_lobe_divisor(const struct lobe_kind *kind, struct twofold s,
 
 static int is_ours(brdffit_distribution distribution)
 {
-    return (unsigned)distribution < BRDFFIT_DISTRIBUTION_COUNT;
+    return (unsigned)distribution < BRDFFIT_DISTRIBUTION_COUNT && table[distribution];
 }
 
 const char *brdffit_distribution_string(brdffit_distribution distribution)

@@ -146,13 +146,10 @@ static const struct lobe_kind beckmann_bare = {
     .lambda = lambda,
 };
 
-const struct lobe_kind *brdffit_lobe_kind_masked(brdffit_distribution distribution, brdffit_masking masking)
+const struct lobe_kind *brdffit_lobe_kind_other_masking(brdffit_distribution distribution, brdffit_masking masking)
 {
     int beckmann = distribution == BRDFFIT_BECKMANN;
 
-    if (masking == BRDFFIT_MASKING_V_CAVITY) {
-        return brdffit_lobe_kind_of(distribution);
-    }
     if (!beckmann && distribution != BRDFFIT_GGX) {
         return NULL;
     }

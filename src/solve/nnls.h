@@ -57,6 +57,7 @@ struct nnls {
     struct nnls_support support[1u << NNLS_CLOSED]; /* [bits of its columns], if these are few */
 };
 
+#define NNLS_ANSWER_BYTES 192u /* what one is counted as, the same on every processor */
 struct nnls_answer {
     double z[NNLS_COLUMNS]; /* coefficients of the caller's columns; may overflow where no double holds them */
     double unit[NNLS_COLUMNS]; /* the same for columns of unit norm and data divided by `data_scale` */

@@ -40,9 +40,15 @@ double brdffit_nnls_gain(int columns, const double *cosine, const double *t)
     switch (columns) {
     case 2: return gain2(cosine[0], t);
     case 3: return gain3(cosine, t);
-    case 4: return gain_n(4, cosine, t);
+#if COLUMNS_MOST > 4
     case 5: return gain_n(5, cosine, t);
+#endif
+#if COLUMNS_MOST > 5
     case 6: return gain_n(6, cosine, t);
-    default: return gain_n(7, cosine, t);
+#endif
+#if COLUMNS_MOST > 6
+    case 7: return gain_n(7, cosine, t);
+#endif
+    default: return gain_n(4, cosine, t);
     }
 }

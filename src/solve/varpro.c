@@ -52,11 +52,14 @@ void brdffit_varpro_layout(struct varpro *v, struct arena *arena, size_t count, 
     v->model = model;
     v->physical = 0;
     v->phi = ARENA_DOUBLES(arena, PADDED(count));
-    v->x = ARENA_DOUBLES(arena, PADDED(count));
-    v->slope = ARENA_DOUBLES(arena, PADDED(count));
+    for (c = 0; c < model->kinds && model->kind[c]->exponential; c++) {
+    }
+    v->x = c < model->kinds ? ARENA_DOUBLES(arena, PADDED(count)) : NULL;
+    v->slope = c < model->kinds ? ARENA_DOUBLES(arena, PADDED(count)) : NULL;
     v->q = brdffit_arena_take(arena, count, (size_t)model->columns * sizeof(double));
     v->residual = ARENA_DOUBLES(arena, count);
-    v->answer = brdffit_arena_take(arena, channels, sizeof *v->answer);
+    _Static_assert(sizeof *v->answer <= NNLS_ANSWER_BYTES, "sizes to count with");
+    v->answer = brdffit_arena_take(arena, channels, NNLS_ANSWER_BYTES);
     v->exponent = model->shapes > 1 ? ARENA_DOUBLES(arena, PADDED(count)) : NULL;
     list_derivatives(v);
     for (c = 0; c < varpro_moving(v); c++) {

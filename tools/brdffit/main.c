@@ -35,7 +35,9 @@ static void usage(FILE *out)
     for (const struct cli_command *c = brdffit_cli_commands; c->name != NULL; c++) {
         fprintf(out, "  %-10s %s\n", c->name, c->summary);
     }
-    fputs("  report     pages that show fits, proofs and residuals (of the Python package)\n", out);
+    fputs("  report     pages that show fits, proofs and residuals (of the Python package)\n"
+          "  export     a fit as a material of Mitsuba, Blender, glTF, ... (likewise)\n",
+          out);
     fputs("\n'brdffit COMMAND --help' explains a command; 'brdffit --version' tells the\n"
           "version. Any other NAME runs the program brdffit-NAME from your PATH.\n",
           out);
@@ -76,12 +78,13 @@ static void hint(const char *name)
 
 static int unknown_command(const char *name)
 {
-    if (strcmp(name, "report") == 0) {
-        fputs("brdffit: there is no brdffit-report on the PATH. It comes with the Python package: in a clone of "
-              "brdffit,\n"
-              "    pip install ./python\n"
-              "and if that is in a virtual environment, activate it (or put its bin/ on the PATH).\n",
-              stderr);
+    if (strcmp(name, "report") == 0 || strcmp(name, "export") == 0) {
+        fprintf(stderr,
+                "brdffit: there is no brdffit-%s on the PATH. It comes with the Python package: in a clone of "
+                "brdffit,\n"
+                "    pip install ./python\n"
+                "and if that is in a virtual environment, activate it (or put its bin/ on the PATH).\n",
+                name);
         return CLI_EXIT_USAGE;
     }
     brdffit_cli_tell("brdffit: '%s' is not a command", name);

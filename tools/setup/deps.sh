@@ -1,8 +1,8 @@
 #!/bin/sh
 # What the build, the tests and the download of ECOS need from the system.
 #
-#   deps.sh check   cli|ecos|build|test|browser ...   look; say what is missing, how to get it, and fail
-#   deps.sh install cli|ecos|build|test|browser ...   the same, but install it first where that is possible:
+#   deps.sh check   compiler|cli|ecos|build|test|browser ...   look; say what is missing, how to get it, and fail
+#   deps.sh install compiler|cli|ecos|build|test|browser ...   the same, but install it first where that is possible:
 #                                                     apt-get, as root or through a sudo that asks nothing
 #
 # Everything is found by trying it (a header by compiling and linking), never by asking a package
@@ -36,6 +36,14 @@ browses() { # the names that python/tests/browser.py tries
     return 1
 }
 
+compiles() {
+    if ! command -v "${CC%% *}" > /dev/null 2>&1; then
+        need "a C compiler ($CC)" "gcc libc6-dev zlib1g-dev"
+    elif ! links stdio.h ''; then
+        need "the C library's headers (<stdio.h>)" "libc6-dev"
+    fi
+}
+
 missing= # what, for people
 packages= # Debian's names
 
@@ -50,12 +58,11 @@ look() {
     packages=
     for group in "$@"; do
         case $group in
+        compiler)
+            compiles
+            ;;
         build)
-            if ! command -v "${CC%% *}" > /dev/null 2>&1; then
-                need "a C compiler ($CC)" "gcc libc6-dev zlib1g-dev"
-            elif ! links stdio.h ''; then
-                need "the C library's headers (<stdio.h>)" "libc6-dev"
-            fi
+            compiles
             links zlib.h -lz || need "zlib with headers (<zlib.h>)" zlib1g-dev
             ;;
         cli)

@@ -136,6 +136,7 @@ class Options(ctypes.Structure):
         ("anisotropic", c_int),
         ("anisotropy", c_double),
         ("tangent_angle", c_double),
+        ("memory", c_size_t),
     ]
 
 

@@ -16,10 +16,12 @@ import numpy.typing as npt
 
 from . import _forms, _lobes, _terms, _words
 from . import _structs as structs
-from ._arguments import choose
+from ._arguments import Path, choose
 from ._arrays import Floats, Frozen, address, floats, freeze, vectors
 from ._ffi import library
 from .errors import DataError, OptionError, from_struct
+from .export import Exported
+from .export import export as _export
 from .intervals import Intervals
 from .intervals import intervals as _intervals
 from .options import Options, _number
@@ -265,6 +267,21 @@ class Fit(Frozen):
         Norm l2 only.
         """
         return _intervals(self, samples, level, noise, eta, tolerance, box_budget)
+
+    # ---- Elsewhere
+
+    def export(self, target: str, path: Path, *, samples: Samples | None = None, channels: Sequence[str] | None = None,
+               scene: bool = False) -> Exported:
+        """Write the fit as a material: exact where the target has its model, else fitted again in the target's own.
+
+        target: "mitsuba", "pbrt", "cycles", "blender", "materialx", "openpbr", "gltf", "usd"; "osl", "glsl", "hlsl" (functions);
+            "merl", "rgl" (tables). What each means by its numbers: docs/export.md
+        samples: the measurement, for what is fitted again and for the error that is told; None: the fit's own values, at
+            directions that stand for all
+        channels: which three are red, green and blue; None: the fit has three, or one (grey)
+        scene: "mitsuba" and "blender": a whole scene that renders a sphere of it
+        """
+        return _export(self, target, path, samples, None if channels is None else tuple(channels), scene, fit)
 
     # ---- Show
 

@@ -41,6 +41,7 @@ class FitOptions(TypedDict, total=False):
     anisotropic: bool
     anisotropy: float | None
     tangent_angle: float
+    memory: int
 
 
 @dataclasses.dataclass(frozen=True)
@@ -71,6 +72,8 @@ class Options:
         the samples' tangent and across it; of norm l2 and engine moment, masking "v-cavity" or "none"
     anisotropy: their ratio sigma_x / sigma_y where it is known; None: searched
     tangent_angle: degrees that the lobe's own tangent is turned by from that of the samples
+    memory: bytes that a fit may take, which it makes the best of at the cost of boxes; 0: what nearly every search wants. Of
+        norm l2 and engine moment
     """
 
     lobes: int | Sequence[str] = 1
@@ -94,6 +97,7 @@ class Options:
     anisotropic: bool = False
     anisotropy: float | None = None
     tangent_angle: float = 0.0
+    memory: int = 0
 
     def __post_init__(self) -> None:
         if self.max_incidence is None:
@@ -144,7 +148,7 @@ class Options:
             relative_gap=c.relative_gap, absolute_gap=c.absolute_gap, sigma_resolution=c.sigma_resolution,
             box_budget=int(c.box_budget), max_incidence=c.max_incidence, socp_every_box=bool(c.socp_every_box),
             physical=bool(c.physical), anisotropic=bool(c.anisotropic), anisotropy=c.anisotropy or None,
-            tangent_angle=c.tangent_angle)
+            tangent_angle=c.tangent_angle, memory=int(c.memory))
 
     def _struct(self) -> structs.Options:
         try:
@@ -173,6 +177,7 @@ class Options:
         out.anisotropic = int(bool(self.anisotropic))
         out.anisotropy = 0.0 if self.anisotropy is None else _number("anisotropy", self.anisotropy)
         out.tangent_angle = _number("tangent_angle", self.tangent_angle)
+        out.memory = _integer("memory", self.memory, 2**63)
         for kind in _terms.DEFAULTS:
             setattr(out, kind, _terms.check(kind, getattr(self, kind)))
         return out

@@ -83,8 +83,11 @@ void brdffit_bound_cell_layout(struct bound_cell *e, struct arena *arena, size_t
 {
     size_t stride = PADDED(count), i, fixed = (size_t)model->fixed, n = (size_t)model->columns;
     int counting = arena->base == NULL, p, j;
+    /* Of the moments only what does not move is used. */
+    const struct moments_room room = {
+        .nodes = 1, .stride = stride, .channels = channels, .functionals = reduced_functionals(model, channels)};
 
-    brdffit_moments_layout(&e->moments, arena, count, channels, 1, model);
+    brdffit_moments_layout(&e->moments, arena, &room, model);
     e->nodes = node_count(stride);
     e->cells = e->nodes < CELLS_MOST ? e->nodes : CELLS_MOST;
     e->node = brdffit_arena_take(arena, e->nodes, sizeof *e->node);

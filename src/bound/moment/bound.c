@@ -23,14 +23,14 @@
 #include "base/tolerance.h"
 #include "base/vector.h"
 
-void brdffit_bound_moment_layout(struct bound_moment *e, struct arena *arena, size_t count, size_t channels,
-                                 uint32_t node_capacity, const struct model *model)
+void brdffit_bound_moment_layout(struct bound_moment *e, struct arena *arena, const struct moments_room *room,
+                                 const struct model *model)
 {
     int kind;
 
-    brdffit_moments_layout(&e->moments, arena, count, channels, node_capacity, model);
+    brdffit_moments_layout(&e->moments, arena, room, model);
     for (kind = 0; kind < model->kinds; kind++) {
-        brdffit_intervals_layout(&e->intervals[kind], arena, AXIS_INTERVALS(node_capacity), channels,
+        brdffit_intervals_layout(&e->intervals[kind], arena, AXIS_INTERVALS(room->nodes), room->channels,
                                  (size_t)model->fixed, kind >= model->axes);
     }
 }
@@ -61,9 +61,11 @@ static struct interval *refined_side(struct bound_moment *e, int kind, uint32_t 
     if (v->refined < depth && axis->nodes < axis->node_capacity / 2) {
         uint32_t child = brdffit_axis_split(axis, index);
 
-        if (child) {
-            brdffit_interval_refine(&e->intervals[kind], v, refined_side(e, kind, child, depth - 1),
-                                    refined_side(e, kind, child + 1, depth - 1));
+        if (child) { /* one after the other, in an order that no compiler chooses: each takes nodes */
+            const struct interval *right = refined_side(e, kind, child + 1, depth - 1);
+            const struct interval *left = refined_side(e, kind, child, depth - 1);
+
+            brdffit_interval_refine(&e->intervals[kind], v, left, right);
             v->refined = depth;
         }
     }
@@ -264,27 +266,32 @@ INSTANCE double bound_sides(struct bound_moment *e, struct box *box, struct poin
     return best;
 }
 
-static double bound_plain(struct bound_moment *e, struct box *box, struct point *met)
+INSTANCE double bound_columns(struct bound_moment *e, struct box *box, struct point *met, const int F, const int Q)
 {
     switch (e->model->sides) {
-    case 1: return bound_sides(e, box, met, 1, 1, 1);
-    case 2: return bound_sides(e, box, met, 1, 1, 2);
-    default: return bound_sides(e, box, met, 1, 1, 3);
+#if SIDES_MOST > 1
+    case 2: return bound_sides(e, box, met, F, Q, 2);
+#endif
+#if SIDES_MOST > 2
+    case 3: return bound_sides(e, box, met, F, Q, 3);
+#endif
+    default: return bound_sides(e, box, met, F, Q, 1);
     }
+}
+
+static double bound_plain(struct bound_moment *e, struct box *box, struct point *met)
+{
+    return bound_columns(e, box, met, 1, 1);
 }
 
 static double bound_box(struct bound_moment *e, struct box *box, struct point *met)
 {
     const int fixed = e->model->fixed, each = e->model->each;
 
-    if (fixed == 1 && each == 1) {
+    if (FIXED_MOST * EACH_MOST == 1 || (fixed == 1 && each == 1)) {
         return bound_plain(e, box, met);
     }
-    switch (e->model->sides) {
-    case 1: return bound_sides(e, box, met, fixed, each, 1);
-    case 2: return bound_sides(e, box, met, fixed, each, 2);
-    default: return bound_sides(e, box, met, fixed, each, 3);
-    }
+    return bound_columns(e, box, met, fixed, each);
 }
 
 /* Inside, bounds are those of the columns that are there, and so is what closes the box. */

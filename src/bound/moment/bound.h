@@ -18,8 +18,8 @@ struct bound_moment {
     struct limits limits;   /* physical bounds; off, unless somebody turns them on */
 };
 
-void brdffit_bound_moment_layout(struct bound_moment *engine, struct arena *arena, size_t count, size_t channels,
-                                 uint32_t node_capacity, const struct model *model);
+void brdffit_bound_moment_layout(struct bound_moment *engine, struct arena *arena, const struct moments_room *room,
+                                 const struct model *model);
 
 void brdffit_bound_moment_start(struct bound_moment *engine, const struct reduced *data, const struct model *model,
                                 const struct kernels *kernels, struct axis *axis);

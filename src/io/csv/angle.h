@@ -6,6 +6,8 @@
 
 #include <stdint.h>
 
+#include "base/ieee.h"
+
 /*
  * Both within 2 ulp (1.64 seen in 2e7 trials), the same bits on every platform, and exact wherever the value is
  * rational: multiples of 90 degrees, sin 30, cos 60 and their mirror images. Zeros are positive. Any finite angle.

@@ -6,6 +6,8 @@
 
 #include <stddef.h>
 
+#include "base/ieee.h"
+
 enum io_number {
     IO_NUMBER_OK = 0,
     IO_NUMBER_EMPTY,
