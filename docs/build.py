@@ -77,7 +77,7 @@ def example(folder):
     samples = brdffit.Samples.from_csv(pathlib.Path(brdffit.__file__).parent / "two_lobe_satin.csv")
     named = dataclasses.replace(samples, file="two_lobe_satin.csv")
     folder.mkdir()
-    (folder / "example_report.html").write_text(brdffit.report.page(named, "two_lobe_satin"), encoding="utf-8")
+    (folder / "example_report.html").write_text(brdffit.report.page(named, "two_lobe_satin", lobes=2), encoding="utf-8")
 
 
 def main():

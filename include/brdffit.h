@@ -621,6 +621,25 @@ BRDFFIT_API brdffit_status brdffit_f0_interval(const brdffit_samples *samples, c
                                                const brdffit_model *model, double *low, double *high,
                                                brdffit_error *error);
 
+/* Bits of brdffit_quality(): the model does not describe these data. */
+#define BRDFFIT_MISFIT_POOR                                                                                            \
+    1u /* in some channel R^2 is below 0.5 and residuals are above 0.1 of the data (norms L2, LINF) */
+#define BRDFFIT_MISFIT_PATTERNED                                                                                       \
+    2u /* residuals above 0.02 of the data, and the neighbours of a sample foretell more than
+                                       0.77 of their squares: they are no noise. Of 20 samples or more */
+
+/*
+ * How good a fit is. fitted: N x K, what brdffit_eval() makes of these samples, in their quantity; options: those of the fit
+ * (NULL: defaults; max_incidence and norm are obeyed). With residuals r of radiance I, weights w: r2 (K) holds
+ * 1 - sum w r^2 / sum w (I - mean I)^2 of each channel, -INFINITY where I does not vary. total holds, over all channels in
+ * units of their largest |I|: the same; sqrt(sum w r^2 / sum w I^2); and the share of squared residuals that those of the
+ * four nearest samples foretell, 0 where there are too few (of noise about -0.4, and near 1 of what a model misses).
+ * *misfit: 0, or BRDFFIT_MISFIT_POOR | ... Fails as brdffit_inspect(). Some 100 ns a sample and channel, and a millisecond.
+ */
+BRDFFIT_API brdffit_status brdffit_quality(const brdffit_samples *samples, const brdffit_options *options,
+                                           const double *fitted, double *r2, double total[3], unsigned *misfit,
+                                           brdffit_error *error);
+
 /*
  * Whether the samples vary with the azimuth of the half vector, as an isotropic model cannot: *share, in [0, 1], is the part
  * of E^2 (norm L2) that a slight stretch of the best suited lobe would take off, to first order and beyond what any two numbers

@@ -16,12 +16,13 @@ extern "C" {
 /* Why a file's entries did not even become samples. */
 typedef enum brdffit_io_drop {
     BRDFFIT_IO_DROP_MASKED = 0, /* MERL: negative, that is, not measured */
-    BRDFFIT_IO_DROP_ABSENT,     /* CSV: an empty field among the channels */
+    BRDFFIT_IO_DROP_ABSENT,     /* CSV: no value in a channel: an empty field, NA and the like, or options.missing */
     BRDFFIT_IO_DROP_BELOW_HORIZON, /* MERL cell whose angles leave the hemisphere, measured or not */
+    BRDFFIT_IO_DROP_SATURATED, /* CSV: a value at or above options.saturated */
     BRDFFIT_IO_DROP_COUNT
 } brdffit_io_drop;
 
-/* Constant snake_case name: "masked", "absent", "cell_below_horizon". */
+/* Constant snake_case name: "masked", "absent", "cell_below_horizon", "saturated". */
 BRDFFIT_API const char *brdffit_io_drop_string(brdffit_io_drop reason);
 
 typedef enum brdffit_io_format {
@@ -41,6 +42,32 @@ typedef enum brdffit_io_merl_sampling {
     BRDFFIT_IO_MERL_DIRECTIONS  /* the directions of `directions`, nearest-entry look-up */
 } brdffit_io_merl_sampling;
 
+/* Which values of a CSV stand for "not measured", beside empty fields and words such as NA and NaN. */
+typedef enum brdffit_io_missing {
+    BRDFFIT_IO_MISSING_MARKED = 0, /* no number; one that looks like such a mark (-999, 99999) is refused */
+    BRDFFIT_IO_MISSING_VALUE,      /* missing_value */
+    BRDFFIT_IO_MISSING_NEGATIVE,   /* every number below 0 */
+    BRDFFIT_IO_MISSING_NONE        /* no number, whatever it looks like */
+} brdffit_io_missing;
+
+/* What the values of a file are, where they have to be turned into f_r first. */
+typedef enum brdffit_io_values {
+    BRDFFIT_IO_VALUES_PLAIN = 0,         /* they are `quantity` */
+    BRDFFIT_IO_VALUES_CCBRDF,            /* f_r (n.v), the cosine-corrected BRDF of scatterometers */
+    BRDFFIT_IO_VALUES_REFLECTANCE_FACTOR /* pi f_r */
+} brdffit_io_values;
+
+/* What the directions of a CSV are, where its header does not say it: bits of brdffit_io_options.directions_as. */
+#define BRDFFIT_IO_DEGREES 1u        /* however small the angles are */
+#define BRDFFIT_IO_RADIANS 2u
+#define BRDFFIT_IO_ELEVATION 4u      /* polar angles count from the surface up */
+#define BRDFFIT_IO_MIRROR_AT_ZERO                                                                                      \
+    8u /* the mirror direction is at the azimuth of the light; signed angles in a plane: at
+                                        theta_o = -theta_i */
+#define BRDFFIT_IO_LIGHT_TRAVELS 16u /* light vectors point the way that light travels, to the surface */
+#define BRDFFIT_IO_Y_UP 32u          /* the normal is +y */
+#define BRDFFIT_IO_AS_WRITTEN 64u    /* +z up and towards the light, whatever it looks like */
+
 /* NULL stands for the defaults wherever this is taken. */
 typedef struct brdffit_io_options {
     size_t struct_size;
@@ -54,29 +81,51 @@ typedef struct brdffit_io_options {
     const brdffit_samples *directions; /* form DIRECTIONS, used with MERL_DIRECTIONS */
     size_t max_bytes;            /* most that a file may have, and that a gzip stream may unpack to; 0: 8 GiB for
                                     files, 1 GiB unpacked */
+    const char *channels; /* CSV: names separated by commas: these columns are the channels, in the file's order, and
+                                    what means nothing else is left out. NULL: see brdffit_io_read() */
+    const char *columns; /* CSV: "role=name,role=name": what columns mean that are not understood, or wrongly. Roles:
+                                    theta_i, phi_i, theta_o, phi_o, phi (between the two), theta_h, phi_h, theta_d, phi_d,
+                                    lx to nz, a, b, c, weight, uncertainty, wavelength, channel, ignore. NULL: none */
+    brdffit_io_missing missing;
+    brdffit_io_values values; /* not with quantity RADIANCE */
+    unsigned directions_as; /* BRDFFIT_IO_DEGREES | ...; 0: as the header says, and in degrees */
+    int reserved; /* 0 */
+    double missing_value; /* used with BRDFFIT_IO_MISSING_VALUE */
+    double saturated; /* > 0: samples with a value at or above it are left out; 0: none */
+    char *fault; /* room for fault_size bytes: the text of the field that an error is about, terminated and
+                                    printable; empty when it is about none. NULL: not wanted */
+    size_t fault_size;
 } brdffit_io_options;
 
 /* Set struct_size and every default. NULL is fine: nothing happens. */
 #define brdffit_io_options_init(options) brdffit_io_options_init_sized((options), sizeof(brdffit_io_options))
 BRDFFIT_API void brdffit_io_options_init_sized(brdffit_io_options *options, size_t struct_size);
 
+/* Something to know about how a file was read: a sentence in UTF-8, without the full stop. */
+typedef struct brdffit_io_note {
+    const char *text;
+    size_t warning; /* 1: the data look wrong; 0: what was inferred, left out or counted */
+} brdffit_io_note;
+
 /*
  * A file in memory. Owns everything that it points to, samples included.
  * Release with brdffit_io_free().
  */
 typedef struct brdffit_table {
-    brdffit_samples *samples;    /* ready for brdffit_fit() */
-    char **channel_names;        /* samples->channels strings */
-    size_t *lines;               /* per sample, the line of the text file; NULL for MERL */
-    brdffit_io_format format;    /* what the file turned out to be */
-    int compressed;              /* 1 for gzip */
-    const size_t *dropped;       /* BRDFFIT_IO_DROP_COUNT counts, by brdffit_io_drop */
-    size_t negative;             /* samples kept that have a negative value (CSV only) */
-    size_t dims[3];              /* MERL: theta_h, theta_d, phi_d bins; else 0 */
-    size_t rows;                 /* entries in the file: CSV data lines, or MERL cells */
+    brdffit_samples *samples; /* ready for brdffit_fit() */
+    char **channel_names; /* samples->channels strings */
+    size_t *lines; /* per sample, the line of the text file; NULL for MERL */
+    brdffit_io_format format; /* what the file turned out to be */
+    int compressed; /* 1 for gzip */
+    const size_t *dropped; /* BRDFFIT_IO_DROP_COUNT counts, by brdffit_io_drop */
+    size_t negative; /* samples kept that have a negative value (CSV only) */
+    size_t dims[3]; /* MERL: theta_h, theta_d, phi_d bins; else 0 */
+    size_t rows; /* entries in the file: CSV data lines, or MERL cells */
     brdffit_io_merl_bins merl_bins;
     brdffit_io_merl_sampling merl_sampling;
-    brdffit_sums *sums;          /* by brdffit_io_read_sums(), or NULL */
+    brdffit_sums *sums; /* by brdffit_io_read_sums(), or NULL */
+    const brdffit_io_note *const *notes; /* what was inferred from a text, and what looks wrong in it */
+    size_t note_count;
 } brdffit_table;
 
 /*
@@ -84,19 +133,26 @@ typedef struct brdffit_table {
  * *error (may be NULL) with line, column, sample, channel and value where
  * they apply, and *table holds NULL.
  *
- * CSV/TSV: '#' lines and blank lines are skipped; the first other line is
- * the header. Directions are theta_i,phi_i,theta_o,phi_o in degrees (phi_i,
- * phi_o may be absent only together, and then mean 0 and 180: in-plane data
- * with the mirror direction at theta_o = theta_i), or lx,ly,lz,vx,vy,vz
- * (optionally nx,ny,nz), or a,b,c. A column `weight` (or `w`) holds weights.
- * A column `uncertainty` (or `stddev`, `std`) holds the standard deviation of
- * the sample's values, > 0, in their units: of radiance u the weight is
- * 1 / u^2, and of f_r, whose residuals are multiplied by n.l, 1 / (u n.l)^2;
- * times that of a column `weight` where there are both.
- * All other columns are channels. A UTF-8 byte-order mark, CRLF, quoted
- * headers and blanks around fields are fine. NaN, infinities and text are
- * errors; an empty channel field drops the sample as absent. Each line has
- * as many fields as the header.
+ * CSV: fields separated by commas, semicolons, tabs, bars or blanks, in UTF-8 or UTF-16. Lines that begin with #, % or
+ * // and blank lines are skipped. The header is the first line that names directions; it may stand behind # when only
+ * numbers follow. Names are matched by the words that they are made of, whatever their case and punctuation, and units
+ * in brackets or at the end ("theta_i (rad)") are obeyed (brdffit_io_column_words()):
+ *
+ *   theta_i,phi_i,theta_o,phi_o in degrees; without azimuths the data are in-plane, with the mirror direction at theta_o =
+ *   theta_i; a single azimuth is that between light and viewer, 180 towards the mirror direction
+ *   theta_h,theta_d,phi_d: half and difference angles
+ *   lx,ly,lz,vx,vy,vz: vectors, optionally nx,ny,nz
+ *   a,b,c: the model's own coefficients
+ *   weight: weights
+ *   uncertainty (or stddev, std): the standard deviation of the sample's values, > 0, in their units: of radiance u the
+ *   weight is 1 / u^2, and of f_r, whose residuals are multiplied by n.l, 1 / (u n.l)^2; times a column weight
+ *   wavelength: rows of the same directions become one sample with a channel for each wavelength
+ *
+ * Other columns of numbers are channels, unless their names or numbers say that they are something else (a running
+ * number, a mask, a temperature): such columns are left out, with a note, or refused where leaving them out could be
+ * wrong. Decimal commas, degree and percent signs and D exponents are understood; thousands separators are refused.
+ * Empty fields, NA, NaN, #N/A and the like in a channel drop the sample as absent. All that was inferred is in
+ * table->notes.
  *
  * MERL: three little-endian int32 n_h, n_d, n_p, then three planes of
  * n_h n_d n_p float64, index p + n_p (d + n_d h), scaled by 1/1500,
@@ -135,6 +191,12 @@ BRDFFIT_API brdffit_status brdffit_io_samples(brdffit_table *table, brdffit_erro
 
 BRDFFIT_API void brdffit_io_free(brdffit_table *table);
 
+/*
+ * The words that names of columns are made of, by meaning: the i-th meaning as *what, and its words separated by
+ * blanks. NULL past the last.
+ */
+BRDFFIT_API const char *brdffit_io_column_words(size_t i, const char **what);
+
 /* ---- Arrays and images: what maps are made of -------------------------- */
 
 /* Most dimensions that an array may have. */
@@ -142,8 +204,8 @@ BRDFFIT_API void brdffit_io_free(brdffit_table *table);
 
 typedef enum brdffit_io_container {
     BRDFFIT_IO_NPY = 0, /* NumPy's .npy, versions 1 to 3 */
-    BRDFFIT_IO_NPZ,     /* a .npy in a zip, stored or deflated; zip64 too */
-    BRDFFIT_IO_PFM      /* "PF" colour or "Pf" grey, float32, either byte order */
+    BRDFFIT_IO_NPZ, /* a .npy in a zip, stored or deflated; zip64 too */
+    BRDFFIT_IO_PFM /* "PF" colour or "Pf" grey, float32, either byte order */
 } brdffit_io_container;
 
 /*
@@ -153,14 +215,14 @@ typedef enum brdffit_io_container {
  */
 typedef struct brdffit_array {
     brdffit_io_container container;
-    char kind;         /* as in NumPy: 'b' bool, 'i', 'u' integer, 'f' float */
-    int item_size;     /* bytes: 1, 2, 4 or 8; floats 2, 4 or 8 */
-    int big_endian;    /* of more than one byte */
+    char kind; /* as in NumPy: 'b' bool, 'i', 'u' integer, 'f' float */
+    int item_size; /* bytes: 1, 2, 4 or 8; floats 2, 4 or 8 */
+    int big_endian; /* of more than one byte */
     int fortran_order; /* the first index runs fastest in the file */
-    int compressed;    /* a deflated member of a .npz: unpacked when opened */
-    int dims;          /* 0 to BRDFFIT_IO_MAX_DIMS */
+    int compressed; /* a deflated member of a .npz: unpacked when opened */
+    int dims; /* 0 to BRDFFIT_IO_MAX_DIMS */
     size_t shape[BRDFFIT_IO_MAX_DIMS]; /* each at least 1 */
-    size_t count;      /* product of shape; count * item_size fits size_t */
+    size_t count; /* product of shape; count * item_size fits size_t */
 } brdffit_array;
 
 /*

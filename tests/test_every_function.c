@@ -158,6 +158,13 @@ static void call_strings(void)
     STRING(brdffit_stop_string, BRDFFIT_STOP_CONTRADICTION);
     STRING(brdffit_texel_status_string, BRDFFIT_TEXEL_OPEN);
     STRING(brdffit_io_drop_string, (brdffit_io_drop)0);
+    {
+        const char *what = NULL, *words = brdffit_io_column_words(0, &what);
+
+        mark("brdffit_io_column_words");
+        keep(what, strlen(what));
+        keep(words, strlen(words));
+    }
     VALUE(int, brdffit_isa_supported, BRDFFIT_ISA_BASE);
 }
 
@@ -182,6 +189,15 @@ static void call_fits(const brdffit_samples *samples)
     keep_result(r);
     STATUS(brdffit_eval, r->model, samples, out, NULL);
     keep(out, sizeof out);
+    {
+        double r2[CHANNELS], total[3];
+        unsigned misfit = 0;
+
+        STATUS(brdffit_quality, samples, &o, out, r2, total, &misfit, NULL);
+        keep(r2, sizeof r2);
+        keep(total, sizeof total);
+        keep(&misfit, sizeof misfit);
+    }
     {
         double share = 0.0;
 

@@ -29,8 +29,10 @@ static void refuse_all(const struct refusal *refusal, size_t count)
 
         memset(&error, 0x5a, sizeof error);
         status = io_text(r->text, NULL, &table, &error);
-        if (status != r->status || table || !strstr(error.message, r->message) || error.line != r->line ||
-            error.column != r->column || error.sample != r->sample || error.channel != r->channel) {
+        if (status != r->status || status == BRDFFIT_OK || !strstr(error.message, r->message) ||
+            error.line != r->line || error.column != r->column || error.sample != r->sample ||
+            error.channel != r->channel) {
+            error.message = status == BRDFFIT_OK ? "read" : error.message;
             print_error("'%s'\n-> %d '%s' line %zd column %zd sample %zd channel %zd value %g\n", r->text, (int)status,
                         error.message, (ssize_t)error.line, (ssize_t)error.column, (ssize_t)error.sample,
                         (ssize_t)error.channel, error.value);
@@ -50,23 +52,25 @@ static void test_fields(void **state)
     static const struct refusal list[] = {
         {ANGLES "0,0,0,0,1.2abc,2,3\n", BRDFFIT_ERR_VALUE, "not a number", 2, 5, 0, 0, 0},
         {ANGLES "0,0,0,0,1,2,3\n0,0,x,0,1,2,3\n", BRDFFIT_ERR_VALUE, "not a number", 3, 3, 1, NOWHERE, 0},
-        {ANGLES "0,0,0,0,1,nan,3\n", BRDFFIT_ERR_VALUE, "leave the field empty", 2, 6, 0, 1, NAN},
-        {ANGLES "0,nan,0,0,1,2,3\n", BRDFFIT_ERR_VALUE, "NaN", 2, 2, 0, NOWHERE, NAN},
+        {ANGLES "0,0,0,0,1,nan,3\n", BRDFFIT_ERR_NO_SAMPLES, "no value", NOWHERE, NOWHERE, NOWHERE, NOWHERE, 0},
+        {ANGLES "5,nan,0,0,1,2,3\n", BRDFFIT_ERR_VALUE, "no value", 2, 2, 0, NOWHERE, 0},
         {ANGLES "0,0,0,0,1,2,-inf\n", BRDFFIT_ERR_VALUE, "infinite", 2, 7, 0, 2, -INFINITY},
         {ANGLES "#\n\n0,0,0,0,1e999,2,3\n", BRDFFIT_ERR_VALUE, "too large", 4, 5, 0, 0, INFINITY},
         {ANGLES "0,0,0,0,0x1p3,2,3\n", BRDFFIT_ERR_VALUE, "hexadecimal", 2, 5, 0, 0, 0},
         {ANGLES ",0,0,0,1,2,3\n", BRDFFIT_ERR_VALUE, "empty", 2, 1, 0, NOWHERE, 0},
-        {ANGLES "0,0,0,  ,1,2,3\n", BRDFFIT_ERR_VALUE, "empty", 2, 4, 0, NOWHERE, 0},
+        {ANGLES "0,0,5,  ,1,2,3\n", BRDFFIT_ERR_VALUE, "empty", 2, 4, 0, NOWHERE, 0},
         {ANGLES "0,0,0,0,,2,3\n0,0,0,0,,2,x\n", BRDFFIT_ERR_VALUE, "not a number", 3, 7, 0, 2, 0},
         {ANGLES "0,0,0,0,1 2,2,3\n", BRDFFIT_ERR_VALUE, "not a number", 2, 5, 0, 0, 0},
-        {ANGLES "0,0,0,0,\"1,5\",2,3\n", BRDFFIT_ERR_VALUE, "decimal comma", 2, 5, 0, 0, 0},
-        {"theta_i;theta_o;r\n10,5;0;1\n", BRDFFIT_ERR_VALUE, "decimal comma", 2, 1, 0, NOWHERE, 0},
-        {"theta_i\ttheta_o\tr\n10\t0\t0,25\n", BRDFFIT_ERR_VALUE, "decimal comma", 2, 3, 0, 0, 0},
-        {ANGLES "-1,0,0,0,1,2,3\n", BRDFFIT_ERR_VALUE, "theta_i is not in [0, 180]", 2, 1, 0, NOWHERE, -1},
-        {ANGLES "0,0,180.5,0,1,2,3\n", BRDFFIT_ERR_VALUE, "theta_o is not in [0, 180]", 2, 3, 0, NOWHERE, 180.5},
-        {"r,theta_o,theta_i\n1,2,3\n1,2,-3\n", BRDFFIT_ERR_VALUE, "theta_i", 3, 3, 1, NOWHERE, -3},
+        {ANGLES "0,0,0,0,\"1,5\",2.5,3\n", BRDFFIT_ERR_VALUE, "decimal commas and", 2, 6, 0, 1, 0},
+        {"theta_i;theta_o;r\n10;0;1,234\n", BRDFFIT_ERR_VALUE, "thousands", 2, 3, NOWHERE, NOWHERE, 0},
+        {"theta_i\ttheta_o\tr\n10\t0\t1,234.5\n", BRDFFIT_ERR_VALUE, "thousands", 2, 3, 0, 0, 0},
+        {"theta_i;theta_o;r\n10;0;12 345\n", BRDFFIT_ERR_VALUE, "thousands", 2, 3, 0, 0, 0},
+        {ANGLES "-181,0,0,0,1,2,3\n", BRDFFIT_ERR_VALUE, "theta_i is not in [-180, 180]", 2, 1, 0, NOWHERE, -181},
+        {ANGLES "0,0,180.5,0,1,2,3\n", BRDFFIT_ERR_VALUE, "theta_o is not in [-180, 180]", 2, 3, 0, NOWHERE, 180.5},
+        {"r,theta_o,theta_i\n1,2,3\n1,2,-300\n", BRDFFIT_ERR_VALUE, "theta_i", 3, 3, 1, NOWHERE, -300},
+        {ANGLES "0,-999,0,0,1,2,3\n", BRDFFIT_ERR_VALUE, "two turns", 2, 2, 0, NOWHERE, -999},
         {"theta_i,theta_o,w,r\n1,1,-2,1\n", BRDFFIT_ERR_VALUE, "weight is negative", 2, 3, 0, NOWHERE, -2},
-        {"theta_i,theta_o,w,r\n1,1,nan,1\n", BRDFFIT_ERR_VALUE, "NaN", 2, 3, 0, NOWHERE, NAN},
+        {"theta_i,theta_o,w,r\n1,1,nan,1\n", BRDFFIT_ERR_VALUE, "no value", 2, 3, 0, NOWHERE, 0},
         {"theta_i,theta_o,w,r\n1,1,,1\n", BRDFFIT_ERR_VALUE, "empty", 2, 3, 0, NOWHERE, 0},
         {"lx,ly,lz,vx,vy,vz,r\n0,0,1,0,0,1,1\n0,-0,0,0,0,1,1\n", BRDFFIT_ERR_VALUE, "lx, ly, lz has no length", 3, 1, 1,
          NOWHERE, 0},
@@ -87,7 +91,7 @@ static void test_lines(void **state)
 {
     static const struct refusal list[] = {
         {ANGLES "0,0,0,0,1,2\n", BRDFFIT_ERR_FORMAT, "fewer fields than the header", 2, NOWHERE, 0, NOWHERE, 6},
-        {ANGLES "0,0,0,0,1,2,3\n0,0,0,0,1,2,3,\n", BRDFFIT_ERR_FORMAT, "more fields than the header", 3, NOWHERE, 1,
+        {ANGLES "0,0,0,0,1,2,3\n0,0,0,0,1,2,3,4\n", BRDFFIT_ERR_FORMAT, "more fields than the header", 3, NOWHERE, 1,
          NOWHERE, 8},
         {ANGLES "0,0,0,0,1,2,3\n0\n", BRDFFIT_ERR_FORMAT, "fewer", 3, NOWHERE, 1, NOWHERE, 1},
         {ANGLES "0,0,0,0,1,2,x,4\n", BRDFFIT_ERR_FORMAT, "more", 2, NOWHERE, 0, NOWHERE, 8},
@@ -110,7 +114,6 @@ static void test_headers(void **state)
         {"\n\n# only comments\n", BRDFFIT_ERR_FORMAT, "no header", NOWHERE, NOWHERE, NOWHERE, NOWHERE, 0},
         {"\xef\xbb\xbf", BRDFFIT_ERR_FORMAT, "no header", NOWHERE, NOWHERE, NOWHERE, NOWHERE, 0},
         {"hello\n", BRDFFIT_ERR_FORMAT, "one column", 1, NOWHERE, NOWHERE, NOWHERE, 0},
-        {"theta_i theta_o r\n1 2 3\n", BRDFFIT_ERR_FORMAT, "one column", 1, NOWHERE, NOWHERE, NOWHERE, 0},
         {"# x\n1,2,3\n4,5,6\n", BRDFFIT_ERR_FORMAT, "holds numbers", 2, NOWHERE, NOWHERE, NOWHERE, 0},
         {"theta_i,theta_o,r,r\n", BRDFFIT_ERR_FORMAT, "twice", 1, 4, NOWHERE, NOWHERE, 0},
         {"theta_i,theta_o,r,g,x,g,r\n", BRDFFIT_ERR_FORMAT, "twice", 1, 6, NOWHERE, NOWHERE, 0},
@@ -128,7 +131,6 @@ static void test_headers(void **state)
         {"nx,ny,nz,r\n", BRDFFIT_ERR_FORMAT, "lx, ly, lz, vx, vy, vz", 1, NOWHERE, NOWHERE, NOWHERE, 0},
         {"a,c,r,g\n", BRDFFIT_ERR_FORMAT, "names no directions", 1, NOWHERE, NOWHERE, NOWHERE, 0},
         {"r,g,b\n1,2,3\n", BRDFFIT_ERR_FORMAT, "names no directions", 1, NOWHERE, NOWHERE, NOWHERE, 0},
-        {"Theta_i,Theta_o,r\n", BRDFFIT_ERR_FORMAT, "names no directions", 1, NOWHERE, NOWHERE, NOWHERE, 0},
         {"theta_i,theta_o\n1,2\n", BRDFFIT_ERR_FORMAT, "no channel", 1, NOWHERE, NOWHERE, NOWHERE, 0},
         {"a,b,c,w\n", BRDFFIT_ERR_FORMAT, "no channel", 1, NOWHERE, NOWHERE, NOWHERE, 0},
         {"theta_i,theta_o,,r\n", BRDFFIT_ERR_FORMAT, "no name", 1, 3, NOWHERE, NOWHERE, 0},
@@ -143,6 +145,7 @@ static void test_headers(void **state)
     REFUSE(list);
 }
 
+/* UTF-16 is read, and what is wrong in it said. */
 static void test_utf16(void **state)
 {
     static const unsigned char text[] = {0xff, 0xfe, 'a', 0, ',', 0, 'b', 0, ',', 0, 'c', 0, '\n', 0};
@@ -151,7 +154,7 @@ static void test_utf16(void **state)
     brdffit_status status = brdffit_io_read_memory(text, sizeof text, NULL, &table, &error);
 
     (void)state;
-    io_assert_failed(status, table, &error, BRDFFIT_ERR_FORMAT, "UTF-16");
+    io_assert_failed(status, table, &error, BRDFFIT_ERR_FORMAT, "no channel");
 }
 
 /* A zero byte in the middle of good text: still text, and the line gets named. */

@@ -123,7 +123,7 @@ static void test_what_it_says(void **state)
     brdffit_io_options options;
 
     (void)state;
-    assert_int_equal(s->struct_size, sizeof *s);
+    assert_in_range(s->struct_size, offsetof(brdffit_samples, weights) + sizeof s->weights, sizeof *s);
     assert_int_equal(s->form, BRDFFIT_FORM_ANGLES);
     assert_int_equal(s->quantity, BRDFFIT_QUANTITY_BRDF);
     assert_int_equal(s->channels, 3);
@@ -321,9 +321,64 @@ static void test_other_binaries(void **state)
     assert_int_equal(error.line, 1);
 }
 
+/* What is for text is not left unheard. */
+static void test_options_of_text(void **state)
+{
+    struct io_merl merl = io_merl_new(6, 4, 8);
+    brdffit_io_options options;
+    int which;
+
+    (void)state;
+    for (which = 0; which < 5; which++) {
+        brdffit_table *table;
+        brdffit_error error;
+        brdffit_status status;
+
+        brdffit_io_options_init(&options);
+        options.values = which == 0 ? BRDFFIT_IO_VALUES_CCBRDF : BRDFFIT_IO_VALUES_PLAIN;
+        options.channels = which == 1 ? "r" : NULL;
+        options.missing = which == 2 ? BRDFFIT_IO_MISSING_NEGATIVE : BRDFFIT_IO_MISSING_MARKED;
+        options.directions_as = which == 3 ? BRDFFIT_IO_Y_UP : 0;
+        options.saturated = which == 4 ? 2.0 : 0.0;
+        status = brdffit_io_read_memory(merl.data, merl.size, &options, &table, &error);
+        io_assert_failed(status, table, &error, BRDFFIT_ERR_OPTION, "for text");
+        status = brdffit_io_read_sums_memory(merl.data, merl.size, &options, NULL, &table, &error);
+        io_assert_failed(status, table, &error, BRDFFIT_ERR_OPTION, "for text");
+    }
+    free(merl.data);
+}
+
+/* Written on another machine: named, not read as what its bytes happen to be. */
+static void test_big_endian(void **state)
+{
+    struct io_merl merl = io_merl_new(6, 4, 8);
+    brdffit_table *table;
+    brdffit_error error;
+    brdffit_status status;
+    size_t i, k;
+
+    (void)state;
+    for (i = 0; i < 3 * merl.cells; i++) {
+        unsigned char *entry = merl.data + 12 + 8 * i;
+
+        io_put(&merl, i / merl.cells, i % merl.cells, i % 7 == 3 ? -1.0 : (double)(i + 1) / 7.0);
+        for (k = 0; k < 4; k++) {
+            const unsigned char swap = entry[k];
+
+            entry[k] = entry[7 - k];
+            entry[7 - k] = swap;
+        }
+    }
+    status = brdffit_io_read_memory(merl.data, merl.size, NULL, &table, &error);
+    io_assert_failed(status, table, &error, BRDFFIT_ERR_FORMAT, "big-endian");
+    free(merl.data);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_cell),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_options_of_text),
+                                       cmocka_unit_test(test_big_endian),
+                                       cmocka_unit_test(test_every_cell),
                                        cmocka_unit_test(test_what_it_says),
                                        cmocka_unit_test(test_exactly_on_the_horizon),
                                        cmocka_unit_test(test_masked),

@@ -103,7 +103,7 @@ static void test_not_numbers(void **state)
         {".", IO_NUMBER_TEXT}, {"-.", IO_NUMBER_TEXT}, {"1e", IO_NUMBER_TEXT}, {"1e+", IO_NUMBER_TEXT},
         {"e5", IO_NUMBER_TEXT}, {".e5", IO_NUMBER_TEXT}, {"1 2", IO_NUMBER_TEXT}, {" 1", IO_NUMBER_TEXT},
         {"1 ", IO_NUMBER_TEXT}, {"--1", IO_NUMBER_TEXT}, {"1.2.3", IO_NUMBER_TEXT}, {"1,", IO_NUMBER_TEXT},
-        {"NA", IO_NUMBER_TEXT}, {"1e5.5", IO_NUMBER_TEXT}, {"1d5", IO_NUMBER_TEXT}, {"nan(1)", IO_NUMBER_TEXT},
+        {"NA", IO_NUMBER_TEXT}, {"1e5.5", IO_NUMBER_TEXT}, {"1f5", IO_NUMBER_TEXT}, {"nan(1)", IO_NUMBER_TEXT},
         {"infinit", IO_NUMBER_TEXT}, {"\xc2\xa0" "1", IO_NUMBER_TEXT},
     };
     /* clang-format on */

@@ -80,3 +80,18 @@ def test_each_is_fitted(desk, name, title, parameter):
     other = "ggx" if name != "ggx" else "beckmann"
     words = run("fit", "--lobes", name + "," + other, "--gap", "0.1", "two_lobe_satin.csv", cwd=desk)
     assert "fit of one %s and one %s lobe" % (title, TITLES[other]) in words or "exact" in words
+
+
+def test_words_of_columns():
+    """The reader's words are what `info --help` and the documents list."""
+    library = ctypes.CDLL(str(BUILD / "libbrdffit_io.so"))
+    library.brdffit_io_column_words.restype = ctypes.c_char_p
+    library.brdffit_io_column_words.argtypes = [ctypes.c_size_t, ctypes.POINTER(ctypes.c_char_p)]
+    what, known = ctypes.c_char_p(), {}
+    while (words := library.brdffit_io_column_words(len(known), ctypes.byref(what))) is not None:
+        known[what.value.decode()] = words.decode().strip()
+    assert len(known) > 15
+    told, documents = run("info", "--help"), (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
+    for meaning, words in known.items():
+        assert "%s: %s" % (meaning, words) in told
+        assert "| %s | %s |" % (meaning, words) in documents

@@ -29,11 +29,13 @@ def pages(instruments, tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     bad = tmp_path_factory.mktemp("bad") / "bad.csv"
     bad.write_text("theta_i,theta_o,r\n0,0,x\n")
-    assert report.main(["-q", "-o", str(folder), *(str(instruments / name) for name in FILES), str(bad)]) == 3
+    assert report.main(["-q", "-o", str(folder), "--lobes", "2", *(str(instruments / name) for name in FILES), str(bad)]) == 3
     long = bad.with_name("a-name-of-sixty-letters-without_a_place_to_break_it_is_as_bad.csv")
     long.write_bytes((instruments / FILES[0]).read_bytes())
-    assert report.main(["-q", "-o", str(folder / "open"), "--box-budget", "30", str(long), str(instruments / FILES[0])]) == 4
-    assert report.main(["-q", "-o", str(folder / "phong"), "--distribution", "blinn-phong", str(instruments / FILES[0])]) == 0
+    assert report.main(["-q", "-o", str(folder / "open"), "--lobes", "2", "--box-budget", "30", str(long),
+                        str(instruments / FILES[0])]) == 4
+    assert report.main(["-q", "-o", str(folder / "phong"), "--lobes", "2", "--distribution", "blinn-phong",
+                        str(instruments / FILES[0])]) == 0
     assert report.main(["-q", "-o", str(folder / "mixed"), "--lobes", "ggx,blinn-phong", "--gap", "0.05",
                         *(str(instruments / name) for name in FILES[:2])]) == 0
     return folder

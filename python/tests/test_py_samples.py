@@ -58,6 +58,37 @@ def test_arrays_and_files_give_the_same_fit():
     assert one.channels == ("channel1",) and brdffit.fit(one).x.shape == (1,)
 
 
+def test_angles_that_do_not_belong_together():
+    """Angles for cosines, half angles for their tangents: whatever was mixed up is said, not fitted."""
+    file = brdffit.Samples.example()
+    half = (file.light + file.view) / np.linalg.norm(file.light + file.view, axis=1, keepdims=True)
+    nl, nv, vh = file.light[:, 2], file.view[:, 2], np.sum(file.view * half, 1)
+    tan2 = 1 / half[:, 2] ** 2 - 1
+    assert len(brdffit.Samples.from_angles(nl, nv, tan2, vh, file.values)) == len(file)
+    for wrong in ((nl, nv, np.sqrt(tan2), vh), (nl, nv, vh, tan2), (np.arccos(nl), np.arccos(nv), tan2, vh),
+                  (nl, nv, tan2, np.arccos(vh))):
+        with pytest.raises(brdffit.DataError, match="any two directions"):
+            brdffit.Samples.from_angles(*wrong, file.values)
+
+
+def test_notes_and_reading(tmp_path):
+    path = tmp_path / "paint.csv"
+    path.write_text("alpha;Viewing zenith;value;note\n" + "".join(
+        "%d;%d;%s;a\n" % (t, t + 5, "0,%d" % (30 - t)) for t in range(20)))
+    with pytest.raises(brdffit.DataError, match="theta_i"):
+        brdffit.Samples.from_csv(path)
+    samples = brdffit.Samples.from_csv(path, columns={"theta_i": "alpha"}, missing=0.12, saturated=0.3)
+    assert any("decimal comma" in note for note in samples.notes) and any("note is left out" in note for note in samples.notes)
+    assert (samples.dropped["absent"], samples.dropped["saturated"]) == (1, 1)
+    fit = brdffit.fit(samples)
+    assert fit.notes == samples.notes and fit.reading == {"column": "theta_i=alpha", "missing": "0.12", "saturated": 0.3}
+    assert brdffit.Fit.from_json(fit.to_json()).reading == fit.reading
+    path.write_text("theta_i,theta_o,r\n0,0,abc\n")
+    with pytest.raises(brdffit.DataError, match="not a number: 'abc'"):
+        brdffit.Samples.from_csv(path)
+    assert "azimuth" in brdffit.column_words() and "phi" in brdffit.column_words()["azimuth"]
+
+
 @pytest.mark.parametrize("arguments", [
     ([[0, 0, 1]], [[0, 0, 1]], [[1.0], [2.0]]), ([[0, 1]], [[0, 0, 1]], [[1.0]]), ([[0, 0, 1]], [[0, 0, 1]], [["a"]]),
     ([[0, 0, 1]], [[0, 0, 1]], [[[1.0]]])])

@@ -127,6 +127,22 @@ brdffit_status brdffit_f0_interval(const brdffit_samples *samples, const brdffit
     return status;
 }
 
+brdffit_status brdffit_quality(const brdffit_samples *samples, const brdffit_options *options, const double *fitted,
+                               double *r2, double total[3], unsigned *misfit, brdffit_error *error)
+{
+    struct environment callers;
+    struct given given;
+    brdffit_status status;
+
+    brdffit_environment_enter(&callers);
+    status = take(&given, samples, options, error);
+    if (status == BRDFFIT_OK) {
+        status = brdffit_quality_run(&given.samples, &given.options, fitted, r2, total, misfit, error);
+    }
+    brdffit_environment_leave(&callers);
+    return status;
+}
+
 brdffit_status brdffit_azimuth_share(const brdffit_samples *samples, const brdffit_options *options,
                                      const brdffit_model *model, const double *channel_scale, double *share,
                                      brdffit_error *error)

@@ -195,6 +195,9 @@ ENVIRONMENT_APART brdffit_status brdffit_verify_run(const brdffit_samples *sampl
 ENVIRONMENT_APART brdffit_status brdffit_inspect_run(const brdffit_samples *samples, const brdffit_options *options,
                                                      size_t *used, size_t *skipped, size_t reasons,
                                                      brdffit_error *error);
+ENVIRONMENT_APART brdffit_status brdffit_quality_run(const brdffit_samples *samples, const brdffit_options *options,
+                                                     const double *fitted, double *r2, double total[3],
+                                                     unsigned *misfit, brdffit_error *error);
 ENVIRONMENT_APART brdffit_status brdffit_f0_interval_run(const brdffit_samples *samples, const brdffit_options *options,
                                                          const brdffit_model *model, double *low, double *high,
                                                          brdffit_error *error);

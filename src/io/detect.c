@@ -9,6 +9,7 @@
 
 #include <string.h>
 
+#include "io/csv/unicode.h"
 #include "io/fail.h"
 #include "io/bytes/gzip.h"
 #include "io/limits.h"
@@ -31,9 +32,9 @@ static int has_control(const unsigned char *data, size_t size)
     return 0;
 }
 
-static int is_utf16(const unsigned char *data, size_t size)
+static int is_zip(const unsigned char *data, size_t size)
 {
-    return size >= 2 && ((data[0] == 0xff && data[1] == 0xfe) || (data[0] == 0xfe && data[1] == 0xff));
+    return size >= 4 && memcmp(data, "PK\3\4", 4) == 0;
 }
 
 brdffit_status brdffit_io_detect(const unsigned char *data, size_t size, brdffit_io_format *format,
@@ -50,10 +51,11 @@ brdffit_status brdffit_io_detect(const unsigned char *data, size_t size, brdffit
     if (brdffit_io_is_gzip(data, size)) {
         return brdffit_io_fail(error, BRDFFIT_ERR_FORMAT, "the file was compressed with gzip twice");
     }
-    if (is_utf16(data, size)) {
-        return brdffit_io_fail(error, BRDFFIT_ERR_FORMAT, "the text is UTF-16: save it as UTF-8");
+    if (is_zip(data, size)) {
+        return brdffit_io_fail(error, BRDFFIT_ERR_FORMAT,
+                               "the file is a spreadsheet (xlsx, ods) or another zip archive: save the sheet as CSV");
     }
-    if (!has_control(data, probe) || !has_control(data, header)) {
+    if (brdffit_io_utf16(data, size) != IO_UTF16_NOT || !has_control(data, probe) || !has_control(data, header)) {
         *format = BRDFFIT_IO_FORMAT_CSV;
         return BRDFFIT_OK;
     }

@@ -20,6 +20,10 @@ brdffit_status brdffit_io_fail_value(brdffit_error *error, brdffit_status status
 brdffit_status brdffit_io_fail_at(brdffit_error *error, brdffit_status status, const char *message,
                                   const struct io_place *place, double value);
 
+/* Text from a file, printable, at most `size` - 1 bytes, cut with "..." where it is longer. Bytes that are not UTF-8 become
+ * '?', as control characters do. Returns `out`. */
+const char *brdffit_io_quote(const char *text, size_t length, char *out, size_t size);
+
 /* Shorthand for the commonest of all. */
 brdffit_status brdffit_io_no_memory(brdffit_error *error);
 

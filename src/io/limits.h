@@ -24,6 +24,9 @@
 /* Bytes at the start of a file that decide whether it is text. */
 #define IO_TEXT_PROBE ((size_t)65536)
 
+/* Lines of text above the header of a text table, at most. */
+#define IO_HEADER_LINES ((size_t)100)
+
 /* First rows that a text table makes room for; doubled as needed. */
 #define IO_FIRST_ROWS ((size_t)256)
 

@@ -37,6 +37,7 @@ const char *brdffit_io_drop_string(brdffit_io_drop reason)
     case BRDFFIT_IO_DROP_MASKED: return "masked";
     case BRDFFIT_IO_DROP_ABSENT: return "absent";
     case BRDFFIT_IO_DROP_BELOW_HORIZON: return "cell_below_horizon";
+    case BRDFFIT_IO_DROP_SATURATED: return "saturated";
     default: break;
     }
     return "unknown";
@@ -111,6 +112,32 @@ static brdffit_status directions_check(const brdffit_io_options *options, brdffi
     return BRDFFIT_OK;
 }
 
+/* What concerns text. */
+static brdffit_status text_check(const brdffit_io_options *o, brdffit_error *error)
+{
+    if ((unsigned)o->missing > BRDFFIT_IO_MISSING_NONE || !isfinite(o->missing_value)) {
+        return brdffit_io_fail(error, BRDFFIT_ERR_OPTION, "missing must be one of its constants, its value finite");
+    }
+    if ((unsigned)o->values > BRDFFIT_IO_VALUES_REFLECTANCE_FACTOR ||
+        (o->values != BRDFFIT_IO_VALUES_PLAIN && o->quantity_set && o->quantity != BRDFFIT_QUANTITY_BRDF)) {
+        return brdffit_io_fail(error, BRDFFIT_ERR_OPTION, "values must be one of its constants, and not with radiance");
+    }
+    if (o->directions_as > 127u ||
+        ((o->directions_as & BRDFFIT_IO_DEGREES) && (o->directions_as & BRDFFIT_IO_RADIANS))) {
+        return brdffit_io_fail(error, BRDFFIT_ERR_OPTION, "directions cannot be that, or not both");
+    }
+    if (!(o->saturated >= 0.0)) {
+        return brdffit_io_fail_value(error, BRDFFIT_ERR_OPTION, "saturated must be a value above 0", o->saturated);
+    }
+    return BRDFFIT_OK;
+}
+
+int brdffit_io_wants_text(const brdffit_io_options *o)
+{
+    return o->values != BRDFFIT_IO_VALUES_PLAIN || o->channels || o->columns ||
+           o->missing != BRDFFIT_IO_MISSING_MARKED || o->directions_as || o->saturated > 0.0;
+}
+
 brdffit_status brdffit_io_options_check(const brdffit_io_options *given, brdffit_io_options *out, brdffit_error *error)
 {
     brdffit_io_options_init(out);
@@ -133,6 +160,12 @@ brdffit_status brdffit_io_options_check(const brdffit_io_options *given, brdffit
     }
     if ((unsigned)out->merl_sampling > BRDFFIT_IO_MERL_DIRECTIONS) {
         return brdffit_io_fail(error, BRDFFIT_ERR_OPTION, "unknown sampling of MERL tables");
+    }
+    if (text_check(out, error) != BRDFFIT_OK) {
+        return BRDFFIT_ERR_OPTION;
+    }
+    if (out->fault && out->fault_size > 0) {
+        out->fault[0] = '\0';
     }
     return out->merl_sampling == BRDFFIT_IO_MERL_DIRECTIONS ? directions_check(out, error) : BRDFFIT_OK;
 }

@@ -33,6 +33,12 @@ ENVIRONMENT_APART static brdffit_status parse_there(const unsigned char *data, s
     if (status != BRDFFIT_OK) {
         return status;
     }
+    if (format == BRDFFIT_IO_FORMAT_MERL && brdffit_io_wants_text(options)) {
+        return brdffit_io_fail(
+            error, BRDFFIT_ERR_OPTION,
+            "a MERL table holds f_r of known directions: channels, columns, missing and saturated values, "
+            "directions and ccbrdf or reflectance-factor are for text");
+    }
     table = brdffit_io_table_new();
     if (!table) {
         return brdffit_io_no_memory(error);

@@ -32,8 +32,9 @@ static int take_fit(const brdffit_options *fit, brdffit_options *own)
 /* Whether a MERL table would be fitted from sums; of which lobes there are sums the core says (sum_content). */
 static int wants_sums(const brdffit_io_options *io, const brdffit_options *fit)
 {
-    return io->format != BRDFFIT_IO_FORMAT_CSV && io->merl_sampling == BRDFFIT_IO_MERL_TABLE &&
-           fit->norm == BRDFFIT_NORM_L2 && fit->engine == BRDFFIT_ENGINE_MOMENT;
+    return io->format != BRDFFIT_IO_FORMAT_CSV && !brdffit_io_wants_text(io) &&
+           io->merl_sampling == BRDFFIT_IO_MERL_TABLE && fit->norm == BRDFFIT_NORM_L2 &&
+           fit->engine == BRDFFIT_ENGINE_MOMENT;
 }
 
 ENVIRONMENT_APART static brdffit_status samples_again(brdffit_table *table, brdffit_error *error)

@@ -3,7 +3,9 @@
  */
 #include "io/table.h"
 
+#include <stdarg.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/intake.h"
@@ -102,6 +104,53 @@ void brdffit_io_table_publish(struct io_table *table)
     samples->values = table->array[IO_VALUES];
 }
 
+/* Room for one more note with `size` bytes of text behind it; NULL: no memory. */
+static brdffit_io_note *new_note(struct io_table *table, size_t size)
+{
+    brdffit_io_note **more = brdffit_io_resize(table->notes, table->open.note_count + 1, sizeof(brdffit_io_note *));
+    brdffit_io_note *note = more ? brdffit_io_alloc(sizeof *note + size, 1) : NULL;
+
+    if (more) {
+        table->notes = more;
+        table->open.notes = (const brdffit_io_note *const *)more;
+    }
+    if (note) {
+        note->text = (char *)(note + 1);
+        table->notes[table->open.note_count++] = note;
+    }
+    return note;
+}
+
+void brdffit_io_table_note(struct io_table *table, int warning, const char *format, ...)
+{
+    va_list arguments;
+    brdffit_io_note *note;
+    int length;
+
+    va_start(arguments, format);
+    length = vsnprintf(NULL, 0, format, arguments);
+    va_end(arguments);
+    note = length < 0 ? NULL : new_note(table, (size_t)length + 1);
+    if (!note) {
+        table->notes_failed = 1;
+        return;
+    }
+    va_start(arguments, format);
+    (void)vsnprintf((char *)(note + 1), (size_t)length + 1, format, arguments);
+    va_end(arguments);
+    note->warning = (size_t)warning;
+}
+
+static void free_notes(struct io_table *table)
+{
+    size_t i;
+
+    for (i = 0; i < table->open.note_count; i++) {
+        brdffit_io_release(table->notes[i]);
+    }
+    brdffit_io_release(table->notes);
+}
+
 void brdffit_io_table_drop_sums(struct io_table *table)
 {
     brdffit_io_release(table->sums_memory);
@@ -126,6 +175,7 @@ void brdffit_io_free(brdffit_table *table)
         brdffit_io_release(table->channel_names[i]);
     }
     brdffit_io_table_drop_sums(whole);
+    free_notes(whole);
     brdffit_io_release(table->channel_names);
     brdffit_io_release(table->lines);
     brdffit_io_release(whole);

@@ -35,6 +35,9 @@ struct io_table {
     int with_lines;
     size_t capacity; /* in samples */
 
+    brdffit_io_note **notes; /* of open.notes, each a block with its text */
+    int notes_failed;       /* memory for one ran out: the reading fails */
+
     void *sums_memory; /* of open.sums; then the file stays, mapped or read, until samples are asked for */
     struct io_map map;
     struct io_bytes bytes;
@@ -56,6 +59,13 @@ int brdffit_io_table_name(struct io_table *table, size_t k, const char *text, si
 
 /* Room for at least `rows` samples in every array in use. 0: no memory. Pages that stay unused are not touched. */
 int brdffit_io_table_reserve(struct io_table *table, size_t rows);
+
+/* Add a note, as of printf; text from a file is to be passed through brdffit_io_quote(). */
+void brdffit_io_table_note(struct io_table *table, int warning, const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 3, 4)))
+#endif
+    ;
 
 /* Forget the sums and the file that they came from. */
 void brdffit_io_table_drop_sums(struct io_table *table);

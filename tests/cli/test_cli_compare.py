@@ -336,14 +336,14 @@ def test_nothing_to_rank(desk):
 
 
 def test_a_bad_file_stops_nothing(desk):
-    done = harness.run("compare", "--json", "--models", "ggx,ward", "nan.csv", "missing.csv", "mixed.csv", cwd=desk)
-    assert done.returncode == 1 and "nan.csv" in done.stderr and "missing.csv" in done.stderr
+    done = harness.run("compare", "--json", "--models", "ggx,ward", "infinite.csv", "missing.csv", "mixed.csv", cwd=desk)
+    assert done.returncode == 1 and "infinite.csv" in done.stderr and "missing.csv" in done.stderr
     lines = harness.lines(done.stdout)
     assert [line["schema"].split("/")[0] for line in lines] == [
         "brdffit.comparison", "brdffit.comparison", "brdffit.fit", "brdffit.fit", "brdffit.comparison"]
     assert [line.get("verdict") for line in lines][:2] == ["error", "error"]
     assert lines[0]["error"]["code"] == "value" and lines[1]["error"]["code"] == "open"
-    assert harness.run("compare", "--quiet", "--models", "ggx", "nan.csv", cwd=desk).returncode == 3
+    assert harness.run("compare", "--quiet", "--models", "ggx", "infinite.csv", cwd=desk).returncode == 3
 
 
 def test_a_model_without_memory_is_a_line(desk):

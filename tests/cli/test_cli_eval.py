@@ -112,14 +112,14 @@ def test_channels_are_matched_by_name(desk):
 
 
 def test_which_line(desk):
-    lines = harness.fit("matte.csv", "nan.csv", "two_lobe_satin.csv", "./ggx_metal.csv", cwd=desk, expect=3)
+    lines = harness.fit("matte.csv", "infinite.csv", "two_lobe_satin.csv", "./ggx_metal.csv", cwd=desk, expect=3)
     save(desk, *lines)
     for file, number in (("matte.csv", 1), ("two_lobe_satin.csv", 3), ("ggx_metal.csv", 4), (str(desk / "matte.csv"), 1)):
         done = harness.run("eval", "fits.json", file, cwd=desk)
         assert done.returncode == 0 and "in fit %d;" % number in done.stderr
     done = harness.run("eval", "fits.json", "--select", "3", "matte.csv", cwd=desk)
     assert done.returncode == 0 and "in fit 3;" in done.stderr
-    for arguments, words in ((["nan.csv"], "fit 2 failed"), (["vectors.csv"], "--select"),
+    for arguments, words in ((["infinite.csv"], "fit 2 failed"), (["vectors.csv"], "--select"),
                              (["matte.csv", "--select", "9"], "only 4")):
         done = harness.run("eval", "fits.json", *arguments, cwd=desk)
         assert done.returncode == 3 and words in done.stderr and done.stdout == ""

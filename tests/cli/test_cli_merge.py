@@ -12,7 +12,7 @@ import pytest
 import harness
 import stacks
 
-FILES = ["matte.csv", "nan.csv", "two_lobe_table.binary", "missing.csv", "single.csv", "lying.binary", "ggx_metal.csv",
+FILES = ["matte.csv", "infinite.csv", "two_lobe_table.binary", "missing.csv", "single.csv", "lying.binary", "ggx_metal.csv",
          "mis.csv", "two_lobe_satin.csv", "./mis.csv", "gone.csv"]
 
 
@@ -66,9 +66,10 @@ def test_one_stream_of_lines(desk):
 
 
 def test_the_exit_status_is_that_of_one_run(desk):
-    for files, options in [(["single.csv", "matte.csv"], ()), (["single.csv", "nan.csv"], ()), (["nan.csv", "missing.csv"], ()),
+    for files, options in [(["single.csv", "matte.csv"], ()), (["single.csv", "infinite.csv"], ()),
+                           (["infinite.csv", "missing.csv"], ()),
                            (["mis.csv", "single.csv"], ("--lobes", "2", "--box-budget", "1")),
-                           (["mis.csv", "nan.csv"], ("--lobes", "2", "--box-budget", "1"))]:
+                           (["mis.csv", "infinite.csv"], ("--lobes", "2", "--box-budget", "1"))]:
         wanted = harness.run("fit", "--json", "-q", *options, *files, cwd=desk).returncode
         fit_parts(desk, 2, *options, files=files)
         merge(desk, "part-1.json", "part-2.json", expect=wanted)
@@ -114,7 +115,7 @@ def refuse(folder, *arguments, says, **more):
 
 
 def test_what_does_not_go_together(desk):
-    files = ["single.csv", "nan.csv", "grey.csv", "needle.csv", "missing.csv"]
+    files = ["single.csv", "infinite.csv", "grey.csv", "needle.csv", "missing.csv"]
     fit_parts(desk, 3, files=files)
     one, two, three = "part-1.json", "part-2.json", "part-3.json"
     refuse(desk, one, two, says="1 of 5 files are missing: part 3/3\n")
@@ -180,7 +181,7 @@ def test_an_interrupted_part(desk):
     """Its files that were not begun are told, as one run would; the exit status says that it is not all."""
     os.mkfifo(desk / "pipe.csv")
     process = subprocess.Popen([harness.BRDFFIT, "fit", "--json", "--shard", "1/2", "-o", "part-1.json", "pipe.csv",
-                                "nan.csv", "single.csv"], cwd=desk, stderr=subprocess.PIPE, env=harness.environment())
+                                "infinite.csv", "single.csv"], cwd=desk, stderr=subprocess.PIPE, env=harness.environment())
     with open(desk / "pipe.csv", "wb") as pipe:
         pipe.write(b"# " + b"x" * 500000 + b"\n")  # more than a pipe holds: the reader is at work
         pipe.flush()
@@ -189,9 +190,9 @@ def test_an_interrupted_part(desk):
     assert process.wait(harness.PATIENCE) == 4 and b"1 file was not begun" in process.communicate()[1]
     harness.run("fit", "--json", "--shard", "2/2", "-o", "part-2.json", "pipe.csv", "single.csv", "single.csv", cwd=desk)
     refuse(desk, "part-1.json", "part-2.json", says="of another run")
-    harness.run("fit", "--json", "--shard", "2/2", "-o", "part-2.json", "pipe.csv", "nan.csv", "single.csv", cwd=desk)
+    harness.run("fit", "--json", "--shard", "2/2", "-o", "part-2.json", "pipe.csv", "infinite.csv", "single.csv", cwd=desk)
     done = merge(desk, "part-1.json", "part-2.json", expect=3)
-    assert [line["file"] for line in harness.lines(done.stdout)] == ["pipe.csv", "nan.csv", "single.csv"]
+    assert [line["file"] for line in harness.lines(done.stdout)] == ["pipe.csv", "infinite.csv", "single.csv"]
     assert harness.lines(done.stdout)[2]["error"]["code"] == "interrupted"
     assert "a part was interrupted; 1 file was not begun" in done.stderr
 

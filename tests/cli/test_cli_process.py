@@ -36,9 +36,9 @@ def reading(process):
 
 
 def test_batch_keeps_order_and_goes_on(desk):
-    names = ["matte.csv", "nan.csv", "two_lobe_table.binary", "missing.csv", "single.csv", "lying.binary", "ggx_metal.csv", ".",
-             "two_lobe_satin.csv", "truncated.csv.gz", "mis.csv"]
-    bad = {"nan.csv", "missing.csv", "lying.binary", ".", "truncated.csv.gz"}
+    names = ["matte.csv", "infinite.csv", "two_lobe_table.binary", "missing.csv", "single.csv", "lying.binary",
+             "ggx_metal.csv", ".", "two_lobe_satin.csv", "truncated.csv.gz", "mis.csv"]
+    bad = {"infinite.csv", "missing.csv", "lying.binary", ".", "truncated.csv.gz"}
     lines = harness.fit(*names, "--lobes", "2", cwd=desk, expect=1)
     assert [line["file"] for line in lines] == names
     assert {line["file"] for line in lines if line["status"] == "error"} == bad
@@ -49,8 +49,9 @@ def test_batch_keeps_order_and_goes_on(desk):
 
 
 @pytest.mark.parametrize("names, code", [
-    (["single.csv"], 0), (["single.csv", "nan.csv"], 3), (["missing.csv", "nan.csv"], 1), (["nan.csv", "missing.csv"], 1),
-    (["single.csv", "mis.csv"], 4), (["mis.csv", "nan.csv"], 3), (["mis.csv", "missing.csv", "nan.csv"], 1),
+    (["single.csv"], 0), (["single.csv", "infinite.csv"], 3), (["missing.csv", "infinite.csv"], 1), (["infinite.csv",
+        "missing.csv"], 1),
+    (["single.csv", "mis.csv"], 4), (["mis.csv", "infinite.csv"], 3), (["mis.csv", "missing.csv", "infinite.csv"], 1),
 ])
 def test_the_worst_exit_code_wins(desk, names, code):
     done = harness.run("fit", "--lobes", "2", "--box-budget", "1", *names, cwd=desk)
@@ -58,8 +59,8 @@ def test_the_worst_exit_code_wins(desk, names, code):
 
 
 def test_the_summary_counts(desk):
-    done = harness.run("fit", "--lobes", "2", "--box-budget", "1", "single.csv", "mis.csv", "nan.csv", cwd=desk)
-    assert done.stderr.splitlines()[-1] == "brdffit: 3 files: 1 certified, 1 open, 1 failed (nan.csv)"
+    done = harness.run("fit", "--lobes", "2", "--box-budget", "1", "single.csv", "mis.csv", "infinite.csv", cwd=desk)
+    assert done.stderr.splitlines()[-1] == "brdffit: 3 files: 1 certified, 1 open, 1 failed (infinite.csv)"
 
 
 # ---- Streams ---------------------------------------------------------------------------------------------------------
@@ -97,7 +98,7 @@ def test_output_that_cannot_be_written(desk, command):
 
 def test_reader_that_went_away(desk):
     """Quietly: `brdffit fit ... | head` is nobody's fault."""
-    for command in (["fit", "--json", "matte.csv", "mis.csv"], ["info", "matte.csv"], ["--help"]):
+    for command in (["fit", "--json", "--quiet", "matte.csv", "mis.csv"], ["info", "matte.csv"], ["--help"]):
         read, write = os.pipe()
         os.close(read)
         done = subprocess.run([harness.BRDFFIT, *command], cwd=desk, stdout=write, stderr=subprocess.PIPE,
@@ -120,7 +121,7 @@ def test_lines_fit_the_screen(desk):
 
 def test_ascii_is_ascii(desk):
     for env in ({"LC_ALL": "C"}, {"LC_ALL": "POSIX"}, {"LC_ALL": "de_DE.ISO-8859-1"}, {"LC_ALL": None, "LANG": None}):
-        done = harness.run("fit", "--lobes", "2", "mis.csv", "nan.csv", cwd=desk, env=harness.environment(**env))
+        done = harness.run("fit", "--lobes", "2", "mis.csv", "infinite.csv", cwd=desk, env=harness.environment(**env))
         assert (done.stdout + done.stderr).isascii() and "sigma" in done.stdout
     for env in ({"LC_ALL": "en_GB.UTF-8"}, {"LC_ALL": "", "LANG": "xx_XX.utf8"}):
         assert "σ" in harness.run("fit", "mis.csv", cwd=desk, env=harness.environment(**env)).stdout
@@ -205,7 +206,7 @@ def test_output_file(desk, command):
 
 
 def test_output_file_holds_errors_too(desk):
-    done = harness.run("fit", "--json", "-o", "out", "nan.csv", "matte.csv", cwd=desk)
+    done = harness.run("fit", "--json", "-o", "out", "infinite.csv", "matte.csv", cwd=desk)
     assert done.returncode == 3
     assert [line["status"] for line in harness.lines((desk / "out").read_text())] == ["error", "certified"]
 

@@ -38,6 +38,13 @@ static const struct fuzz_seed seeds[] = {
          "1;2;0;0.12345678901234567\r\n"),
     SEED("\xef\xbb\xbflx\tly\tlz\tvx\tvy\tvz\tnx\tny\tnz\tY\n0\t0\t1\t0\t1\t1\t0\t0\t1\t5\n"),
     SEED("a,b,c,red,green,blue\n0.31830988618379069,0.31830988618379069,0,0.39467043851944567,0.385506,0.3736088\n"),
+    SEED(
+        "theta_i;theta_o;phi;wavelength (nm);f_r\n0;10;180;450;0,5\n0;10;180;550;0,25\n20;10;180;450;0,75\n20;10;180;550;1,5\n"),
+    SEED(
+        "my paint\n# theta_h | theta_d | phi_d | valid | r | r_std\n10 | 20 | 30 | 1 | 0.5 | 0.1\n20 | 30 | 40 | 1 | NA | 0.1\n"),
+    SEED("sep=\t\ntheta_i\tphi_i\ttheta_o\tphi_o\tr\t\ndeg\tdeg\tdeg\tdeg\t%\t\n0\xc2\xb0\t0\t60\t\xe2\x88\x92"
+         "180\t12%\t\n0\t0\t-50\t180\t1.5D1\t\n"),
+    SEED("\xff\xfet\0h\0e\0t\0a\0_\0i\0,\0t\0h\0e\0t\0a\0_\0o\0,\0r\0\n\0\061\0,\0\062\0,\0\063\0\n\0"),
     {gzipped, sizeof gzipped},
 };
 static const size_t seed_count = sizeof seeds / sizeof *seeds;

@@ -49,6 +49,8 @@ static inline size_t mutate_token(uint64_t *state, unsigned char *data, size_t s
         "nan", "inf", "0x1p-3", "1,5", "180", "180.0001", "-0", "theta_i", "theta_o", "phi_i", "phi_o", "lx", "ly",
         "lz", "vx", "vy", "vz", "nx", "ny", "nz", "a", "b", "c", "w", "weight", "_deg", "\xef\xbb\xbf", "\xff\xfe",
         "\x1f\x8b\x08",
+        "%", "|", "//", "sep=;\n", "NA", "-999", "99999", "1.5D-3", "1.234,5", "phi", "theta_h", "wavelength", "valid",
+        "sigma", "(rad)", "[deg]", "\xc2\xb0", "\xe2\x88\x92", "\xc2\xa0", "\xce\xb8", "dB", "elevation", "#3",
         "{", "}", "[", "]", ":", "null", "true", "\\u0000", "\\", "file", "sigma", "--tile", "IDAT", "PLTE", "IHDR", " x ",
         "00000000000000000000000000000000000000", "9007199254740993", "\x7f",
     };

@@ -9,6 +9,7 @@
 #include "failure.h"
 #include "interrupt.h"
 #include "output.h"
+#include "reading.h"
 #include "tell.h"
 #include "terms.h"
 
@@ -118,6 +119,9 @@ static int publish(struct run *r, const struct cli_comparison *comparison, const
     const int compared = job->status == BRDFFIT_OK && !job->not_begun;
     if (!compared && !job->not_begun) {
         brdffit_cli_report_error(job->path, &job->error, job->table, job->system_error);
+    }
+    if (job->table != NULL && !r->settings->quiet) {
+        brdffit_cli_say_notes(job->path, job->table, 1);
     }
     if (r->settings->json) {
         brdffit_cli_verdict_json(text, comparison, job);

@@ -9,6 +9,8 @@
 
 #include "eval_table.h"
 #include "failure.h"
+#include "reading.h"
+#include "sample.h"
 #include "tell.h"
 #include "weigh.h"
 #include "words.h"
@@ -40,25 +42,38 @@ void brdffit_cli_eval_help(void)
     brdffit_cli_text_free(&text);
 }
 
+/* How the line says that its file was read, under what is asked for now. */
+static struct cli_settings as_the_fit(const struct cli_settings *settings, const struct cli_fit *fit)
+{
+    struct cli_settings read = *settings;
+    read.values = settings->values == CLI_UNSET ? fit->quantity : settings->values;
+    read.channels = settings->channels == NULL ? fit->channels : settings->channels;
+    read.columns = settings->columns == NULL ? fit->columns : settings->columns;
+    read.missing = settings->missing == NULL ? fit->missing : settings->missing;
+    read.directions = settings->directions == NULL ? fit->directions : settings->directions;
+    read.saturated = settings->saturated > 0 ? settings->saturated : fit->saturated;
+    return read;
+}
+
 static int read_table(const struct cli_settings *settings, const struct cli_fit *fit, const char *path,
                       brdffit_table **table)
 {
     brdffit_io_options options;
     brdffit_error error = {0};
-    brdffit_cli_io_options(settings, &options);
-    if (settings->values == CLI_UNSET && fit->quantity != CLI_UNSET) {
-        options.quantity_set = 1;
-        options.quantity = (brdffit_quantity)fit->quantity;
-    }
+    const struct cli_settings read = as_the_fit(settings, fit);
+    brdffit_cli_io_options(&read, &options);
     options.merl_bins = (brdffit_io_merl_bins)fit->merl_bins;
     options.merl_sampling = (brdffit_io_merl_sampling)fit->merl_sampling;
     options.directions_only = 1;
     if (fit->merl_sampling == BRDFFIT_IO_MERL_DIRECTIONS) {
-        options.directions = &fit->directions;
+        options.directions = &fit->merl_directions;
     }
     errno = 0;
     const brdffit_status status = brdffit_io_read(path, &options, table, &error);
     if (status == BRDFFIT_OK) {
+        if (!settings->quiet) {
+            brdffit_cli_say_notes(path, *table, 1);
+        }
         return 0;
     }
     brdffit_cli_report_error(path, &error, NULL, errno);
@@ -102,6 +117,29 @@ static void print_figures(const struct cli_comparison *c, const struct cli_figur
     brdffit_cli_text_free(&text);
 }
 
+/* Places that are lit from further off than any sample of the fit, which knows nothing of Fresnel there. */
+static void say_extrapolated(const struct cli_comparison *c)
+{
+    const struct cli_fit *const fit = c->fit;
+    const brdffit_samples *const samples = c->table->samples;
+    size_t beyond = 0;
+    if (!(fit->max_incidence < 90) || fit->model.fresnel != BRDFFIT_FRESNEL_NONE) {
+        return;
+    }
+    const double least = cos((fit->max_incidence + 1e-6) * (3.14159265358979323846 / 180));
+    for (size_t i = 0; i < samples->count; i++) {
+        struct cli_angles angles;
+        brdffit_cli_angles(samples, i, &angles);
+        beyond += angles.cos_light > 0 && angles.cos_light < least;
+    }
+    if (beyond > 0) {
+        brdffit_cli_tell(
+            "brdffit: %zu of %zu places are lit from beyond %.6g degrees, further than the samples of the fit: "
+            "extrapolated, without Fresnel\n",
+            beyond, samples->count, fit->max_incidence);
+    }
+}
+
 /* The table is there: evaluate, write, compare. */
 static int evaluate(const struct cli_settings *settings, struct cli_comparison *c, double *fitted, double *rms)
 {
@@ -126,6 +164,7 @@ static int evaluate(const struct cli_settings *settings, struct cli_comparison *
     if (settings->quiet) {
         return 0;
     }
+    say_extrapolated(c);
     if (!c->complete) {
         brdffit_cli_tell("brdffit: not every channel of the fit is in the file: no E^2 or RMS\n");
         return 0;

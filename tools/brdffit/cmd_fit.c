@@ -10,8 +10,10 @@
 #include "job.h"
 #include "json_fit.h"
 #include "lobes_auto.h"
+#include "misfit.h"
 #include "models.h"
 #include "output.h"
+#include "reading.h"
 #include "report.h"
 #include "tell.h"
 
@@ -74,10 +76,17 @@ static int publish(struct run *r, const struct cli_job *job)
     const int fitted = job->status == BRDFFIT_OK && !job->not_begun;
     if (!fitted && !job->not_begun) {
         brdffit_cli_report_error(job->path, &job->error, job->table, job->system_error);
+        brdffit_cli_say_skipped(job, &r->fitter);
+    }
+    if (job->table != NULL && !r->settings->quiet) {
+        brdffit_cli_say_notes(job->path, job->table, r->settings->json || !fitted);
     }
     if (fitted && job->result->stop == BRDFFIT_STOP_CONTRADICTION) {
         brdffit_cli_tell("brdffit: %s: the proof contradicts the fit: an error in brdffit, nothing is proven\n",
                          job->path);
+    }
+    if (fitted && r->settings->json && !r->settings->quiet) {
+        brdffit_cli_say_misfit(job);
     }
     if (r->settings->json) {
         brdffit_cli_json_fit(&text, job, &r->fitter);

@@ -8,6 +8,21 @@
 #include "info_report.h"
 #include "output.h"
 
+/* The words that names of columns are made of: the reader's own. */
+static void add_words(struct cli_text *text)
+{
+    const struct cli_style plain = {0, 0};
+    const char *what = NULL;
+    brdffit_cli_text_puts(
+        text, "\nNames of a text's columns are made of these words, whatever their case and\npunctuation:\n");
+    for (size_t i = 0; brdffit_io_column_words(i, &what) != NULL; i++) {
+        struct cli_text line = {0};
+        brdffit_cli_text_printf(&line, "%s: %s", what, brdffit_io_column_words(i, &what));
+        brdffit_cli_paragraph(text, plain, CLI_BOLD, NULL, brdffit_cli_text_string(&line));
+        brdffit_cli_text_free(&line);
+    }
+}
+
 void brdffit_cli_info_help(void)
 {
     struct cli_text text = {0};
@@ -17,6 +32,7 @@ void brdffit_cli_info_help(void)
                                  "and why, and how narrow a lobe its directions can resolve.\n"
                                  "\n");
     brdffit_cli_option_help(&text, CLI_INFO);
+    add_words(&text);
     brdffit_cli_text_puts(&text, "\n"
                                  "Exit status: 0 done; 1 a file cannot be read or written, or memory ran\n"
                                  "out; 2 wrong usage; 3 a file's data cannot be used. With several files\n"

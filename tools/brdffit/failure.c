@@ -68,6 +68,14 @@ size_t brdffit_cli_error_line(const brdffit_error *error, const brdffit_table *t
     return BRDFFIT_NONE;
 }
 
+static char fault[80];
+
+char *brdffit_cli_fault(size_t *size)
+{
+    *size = sizeof fault;
+    return fault;
+}
+
 /* The message and the value. A message that says what its value is, as in
  * "the line is too short (value: fields found)", becomes "the line is too
  * short (fields found: 6)". */
@@ -83,7 +91,7 @@ static void add_message(struct cli_text *text, const brdffit_error *error)
         return;
     }
     brdffit_cli_text_puts(text, message);
-    if (brdffit_cli_has_value(error)) {
+    if (brdffit_cli_has_value(error) && (!fault[0] || error->value - error->value == 0)) {
         brdffit_cli_text_printf(text, ": %.17g", error->value);
     }
 }
@@ -121,6 +129,11 @@ void brdffit_cli_describe(struct cli_text *text, struct cli_style style, const b
     }
     brdffit_cli_text_puts(text, *separator ? ": " : "");
     add_message(text, error);
+    if (fault[0] && !(brdffit_cli_has_value(error) && error->value - error->value == 0)) {
+        brdffit_cli_text_puts(text, ": '");
+        brdffit_cli_name(text, style, fault);
+        brdffit_cli_text_puts(text, "'");
+    }
 }
 
 void brdffit_cli_report_error(const char *path, const brdffit_error *error, const brdffit_table *table,

@@ -32,6 +32,9 @@ int brdffit_cli_has_value(const brdffit_error *error);
  * sample. BRDFFIT_NONE when there is none. */
 size_t brdffit_cli_error_line(const brdffit_error *error, const brdffit_table *table);
 
+/* Room for the text of the field that a reader's error is about: brdffit_cli_describe() adds it. Readers empty it. */
+char *brdffit_cli_fault(size_t *size);
+
 /* "line 12, field 6 (channel g), sample 11: value is not a number: nan".
  * Everything counts from 1. `table` may be NULL. */
 void brdffit_cli_describe(struct cli_text *text, struct cli_style style, const brdffit_error *error,

@@ -3,6 +3,7 @@
 
 #include "json_fit.h"
 #include "json_write.h"
+#include "reading.h"
 #include "report.h"
 #include "words.h"
 
@@ -103,6 +104,7 @@ void brdffit_cli_info_report(struct cli_text *text, struct cli_style style, cons
                              "would be used");
     add_format(&words, job->table);
     brdffit_cli_paragraph(text, style, CLI_BOLD, "Format:", brdffit_cli_text_string(&words));
+    brdffit_cli_note_paragraphs(text, style, job->table, 1);
     channel_table(text, style, job->table, stats);
     brdffit_cli_text_clear(&words);
     if (stats->used > 0) {
@@ -158,6 +160,7 @@ static void json_content(struct cli_json *json, const struct cli_job *job, const
     static const char *const forms[] = {"directions", "angles", "coefficients"};
     const brdffit_table *const table = job->table;
     brdffit_cli_json_source(json, job, fitter->settings);
+    brdffit_cli_json_notes(json, table);
     brdffit_cli_json_string(json, "form", forms[table->samples->form]);
     brdffit_cli_json_count(json, "compressed", table->compressed != 0);
     brdffit_cli_json_count(json, "rows", table->rows);

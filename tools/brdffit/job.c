@@ -264,6 +264,26 @@ static void tell_f0(struct cli_job *job, const struct cli_fitter *fitter)
     }
 }
 
+/* R^2 and whether the model describes the data: only where there are samples. A failure leaves the statement out. */
+static void judge(struct cli_job *job, const struct cli_fitter *fitter)
+{
+    const brdffit_samples *const samples = job->table->samples;
+    free(job->r2); /* of an earlier fit of this file */
+    job->r2 = NULL;
+    if (job->table->sums != NULL) {
+        return;
+    }
+    double *const fitted = calloc(samples->count, samples->channels * sizeof *fitted);
+    job->r2 = calloc(samples->channels, sizeof *job->r2);
+    if (fitted == NULL || job->r2 == NULL || brdffit_eval(job->result->model, samples, fitted, NULL) != BRDFFIT_OK ||
+        brdffit_quality(samples, &fitter->options, fitted, job->r2, job->quality, &job->misfit, NULL) != BRDFFIT_OK) {
+        free(job->r2);
+        job->r2 = NULL;
+        job->misfit = 0;
+    }
+    free(fitted);
+}
+
 /* More samples than this are not looked at: it would take longer than the fit. */
 #define AZIMUTH_SAMPLES 20000u
 
@@ -319,6 +339,7 @@ void brdffit_cli_job_check(struct cli_job *job, struct cli_fitter *fitter)
 {
     if (job->status == BRDFFIT_OK) {
         tell_f0(job, fitter);
+        judge(job, fitter);
         tell_azimuth(job, fitter);
     }
     if (job->status == BRDFFIT_OK && fitter->settings->verify != NULL) {
@@ -344,7 +365,8 @@ void brdffit_cli_job_run(struct cli_job *job, struct cli_fitter *fitter, const c
 void brdffit_cli_job_free(struct cli_job *job)
 {
     free(job->f0_low);
-    job->f0_low = job->f0_high = NULL;
+    free(job->r2);
+    job->f0_low = job->f0_high = job->r2 = NULL;
     brdffit_io_free(job->table);
     free(job->weights);
     job->table = NULL;

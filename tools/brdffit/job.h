@@ -55,6 +55,9 @@ struct cli_job {
         size_t channels;
         double gain, gain_most; /* from the second on: by how much BIC falls, and can fall whatever the roughness */
     } trials[BRDFFIT_MAX_LOBES]; /* with 1, 2 and 3 lobes */
+    double *r2; /* K, owned: brdffit_quality(); NULL: not known, as of sums */
+    double quality[3];
+    unsigned misfit;
     double azimuth; /* what brdffit_azimuth_share() says; -1: not looked at */
     double *f0_low, *f0_high; /* K x P each, owned: how well the samples tell F0; NULL: not known */
 };

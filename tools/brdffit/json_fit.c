@@ -9,6 +9,8 @@
 #include "failure.h"
 #include "lobes.h"
 #include "lobes_auto.h"
+#include "misfit.h"
+#include "reading.h"
 #include "shard.h"
 #include "terms.h"
 #include "words.h"
@@ -24,6 +26,7 @@ static void place(struct cli_json *json, const char *key, size_t value, size_t a
 void brdffit_cli_json_error(struct cli_json *json, const struct cli_job *job)
 {
     const brdffit_error *const error = &job->error;
+    size_t fault_size;
     brdffit_cli_json_open(json, "error", '{');
     if (job->not_begun) {
         brdffit_cli_json_string(json, "code", "interrupted");
@@ -33,6 +36,9 @@ void brdffit_cli_json_error(struct cli_json *json, const struct cli_job *job)
     }
     brdffit_cli_json_string(json, "code", brdffit_cli_status_name(job->status));
     brdffit_cli_json_string(json, "message", brdffit_cli_message(error));
+    if (*brdffit_cli_fault(&fault_size) && job->table == NULL) {
+        brdffit_cli_json_string(json, "text", brdffit_cli_fault(&fault_size));
+    }
     place(json, "line", brdffit_cli_error_line(error, job->table), 0);
     place(json, "column", error->column, 0);
     place(json, "sample", error->sample, 0);
@@ -77,6 +83,7 @@ void brdffit_cli_json_source(struct cli_json *json, const struct cli_job *job, c
 {
     const brdffit_table *const table = job->table;
     const int merl = table->format == BRDFFIT_IO_FORMAT_MERL;
+    brdffit_cli_json_reading(json, settings);
     brdffit_cli_json_string(json, "format", brdffit_cli_choice_name(brdffit_cli_format_choices, (int)table->format));
     brdffit_cli_json_string(json, "quantity",
                             brdffit_cli_choice_name(brdffit_cli_quantity_choices, (int)table->samples->quantity));
@@ -140,6 +147,41 @@ static void physical(struct cli_json *json, const brdffit_result *result)
     brdffit_cli_json_close(json, '}');
 }
 
+/* A number, or null where it is none. */
+static void number_or_null(struct cli_json *json, const char *key, double value)
+{
+    if (isfinite(value)) {
+        brdffit_cli_json_number(json, key, value);
+    } else {
+        brdffit_cli_json_null(json, key);
+    }
+}
+
+/* How good the fit is; nulls where only sums were there. */
+static void quality(struct cli_json *json, const struct cli_job *job)
+{
+    static const char *const figures[] = {"r2_total", "relative_rms", "foreseen"};
+    if (job->r2 == NULL) {
+        brdffit_cli_json_null(json, "r2");
+    } else {
+        brdffit_cli_json_open(json, "r2", '[');
+        for (size_t k = 0; k < job->result->model->channels; k++) {
+            number_or_null(json, NULL, job->r2[k]);
+        }
+        brdffit_cli_json_close(json, ']');
+    }
+    for (int i = 0; i < 3; i++) {
+        number_or_null(json, figures[i], job->r2 != NULL ? job->quality[i] : NAN);
+    }
+    brdffit_cli_json_open(json, "misfit", '[');
+    for (unsigned bit = 1; job->r2 != NULL && bit <= job->misfit; bit <<= 1) {
+        if (job->misfit & bit) {
+            brdffit_cli_json_string(json, NULL, brdffit_cli_misfit_name(bit));
+        }
+    }
+    brdffit_cli_json_close(json, ']');
+}
+
 static void parameters(struct cli_json *json, const struct cli_job *job)
 {
     const brdffit_result *const result = job->result;
@@ -162,6 +204,7 @@ static void parameters(struct cli_json *json, const struct cli_job *job)
     brdffit_cli_json_number(json, "gap", result->gap);
     brdffit_cli_json_numbers(json, "rms", result->rms, model->channels);
     brdffit_cli_json_number(json, "rms_total", result->rms_total);
+    quality(json, job);
     brdffit_cli_json_number(json, "sum_of_squares", result->sum_of_squares);
     brdffit_cli_json_number(json, "kkt_residual", result->kkt_residual);
 }
@@ -335,6 +378,7 @@ static void result_members(struct cli_json *json, const struct cli_job *job, con
     }
     brdffit_cli_json_source(json, job, fitter->settings);
     brdffit_cli_json_string(json, "weighting", brdffit_weighting_string(job->weighting));
+    brdffit_cli_json_notes(json, job->table);
     if (job->table->format == BRDFFIT_IO_FORMAT_MERL && fitter->io.directions != NULL) {
         directions(json, fitter->io.directions);
     }

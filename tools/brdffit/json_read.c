@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "failure.h"
+#include "reading.h"
 #include "tell.h"
 #include "terms.h"
 #include "weigh.h"
@@ -273,12 +274,35 @@ static const char *read_directions(struct cli_fit *fit, const cJSON *object)
         memcpy(fit->vectors + 3 * (count + i), pair + 3, 3 * sizeof *pair);
         i++;
     }
-    brdffit_samples_init(&fit->directions);
-    fit->directions.count = count;
-    fit->directions.form = BRDFFIT_FORM_DIRECTIONS;
-    fit->directions.light = fit->vectors;
-    fit->directions.view = fit->vectors + 3 * count;
+    brdffit_samples_init(&fit->merl_directions);
+    fit->merl_directions.count = count;
+    fit->merl_directions.form = BRDFFIT_FORM_DIRECTIONS;
+    fit->merl_directions.light = fit->vectors;
+    fit->merl_directions.view = fit->vectors + 3 * count;
     return NULL;
+}
+
+/* A string of "reading", copied; absent ones stay NULL. 0: it is no string, or no memory. */
+static int copy_member(const cJSON *object, const char *name, char **out)
+{
+    const char *const text = string_member(object, name);
+    if (text != NULL) {
+        *out = malloc(strlen(text) + 1);
+        return *out != NULL && strcpy(*out, text) != NULL;
+    }
+    return member(object, name) == NULL;
+}
+
+static int read_reading(struct cli_fit *fit, const cJSON *reading)
+{
+    const cJSON *const saturated = member(reading, "saturated");
+    if (reading == NULL) {
+        return 1;
+    }
+    fit->saturated = cJSON_IsNumber(saturated) && saturated->valuedouble > 0 ? saturated->valuedouble : 0;
+    return choice_member(reading, "values", brdffit_cli_values_choices, &fit->quantity) &&
+           copy_member(reading, "channels", &fit->channels) && copy_member(reading, "column", &fit->columns) &&
+           copy_member(reading, "missing", &fit->missing) && copy_member(reading, "directions", &fit->directions);
 }
 
 /* How the file was read, and which of its samples count. */
@@ -286,6 +310,9 @@ static const char *read_source(struct cli_fit *fit, const cJSON *object)
 {
     if (!choice_member(object, "quantity", brdffit_cli_quantity_choices, &fit->quantity)) {
         return "quantity";
+    }
+    if (!read_reading(fit, member(object, "reading"))) {
+        return "reading";
     }
     if (!choice_member(object, "weighting", brdffit_cli_weight_choices, &fit->weighting)) {
         return "weighting";
@@ -371,6 +398,10 @@ void brdffit_cli_fit_free(struct cli_fit *fit)
         free(fit->names[k]);
     }
     free(fit->names);
+    free(fit->channels);
+    free(fit->columns);
+    free(fit->missing);
+    free(fit->directions);
     free(fit->numbers);
     free(fit->vectors);
     memset(fit, 0, sizeof *fit);

@@ -18,11 +18,13 @@ struct cli_fit {
     double e2;          /* what was minimised, in that norm */
     double max_incidence;
     char **names;       /* K names of channels, or NULL when the line has none */
-    int quantity;       /* CLI_UNSET, or a brdffit_quantity */
+    int quantity;       /* CLI_UNSET, or what --values says of it */
+    char *channels, *columns, *missing, *directions; /* "reading": as given to the fit, or NULL */
+    double saturated;   /* likewise, or 0 */
     int weighting;      /* CLI_UNSET, or a brdffit_weighting */
     int merl_bins;
     int merl_sampling;
-    brdffit_samples directions; /* for BRDFFIT_IO_MERL_DIRECTIONS */
+    brdffit_samples merl_directions; /* for BRDFFIT_IO_MERL_DIRECTIONS */
     size_t line;        /* which fit of its file, from 1 */
     double *numbers;    /* storage */
     double *vectors;    /* storage of directions */

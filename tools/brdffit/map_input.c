@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 
 #include "map.h"
+#include "reading.h"
 #include "slurp.h"
 #include "tell.h"
 #include "terms.h"
@@ -133,12 +134,13 @@ static int open_table(struct cli_map *map, const char *path, const char *folder,
         brdffit_io_options_init(&io);
         io.format = BRDFFIT_IO_FORMAT_CSV;
         io.directions_only = 1;
-        io.quantity_set = map->settings->values != CLI_UNSET;
-        io.quantity = io.quantity_set ? (brdffit_quantity)map->settings->values : BRDFFIT_QUANTITY_BRDF;
+        brdffit_cli_reading_options(map->settings, &io);
         const brdffit_status status = brdffit_io_read_memory(brdffit_cli_text_string(&text), text.size, &io,
                                                              &map->table, &error);
         if (status != BRDFFIT_OK) {
             brdffit_cli_report_error(path, &error, NULL, 0);
+        } else if (!map->settings->quiet) {
+            brdffit_cli_say_notes(path, map->table, 1);
         }
         code = status == BRDFFIT_OK ? check_table(map, path) : brdffit_cli_status_exit(status);
     }

@@ -11,6 +11,7 @@
 #include "failure.h"
 #include "lobes.h"
 #include "models.h"
+#include "reading.h"
 #include "settings.h"
 #include "suggest.h"
 #include "tell.h"
@@ -142,6 +143,22 @@ static int whole_number(const char *text, size_t *value)
     return (double)*value == number;
 }
 
+static enum cli_parse add_to_list(char **list, const char *text)
+{
+    const size_t before = *list == NULL ? 0 : strlen(*list) + 1;
+    char *const more = realloc(*list, before + strlen(text) + 1);
+    if (more == NULL) {
+        (void)brdffit_cli_no_memory();
+        return CLI_PARSE_FAILED;
+    }
+    if (before > 0) {
+        more[before - 1] = ',';
+    }
+    memcpy(more + before, text, strlen(text) + 1);
+    *list = more;
+    return CLI_PARSED;
+}
+
 static enum cli_parse set_value(const struct parser *p, const struct cli_option *o, const char *text)
 {
     char *const member = (char *)p->settings + o->offset;
@@ -150,6 +167,7 @@ static enum cli_parse set_value(const struct parser *p, const struct cli_option 
     case CLI_HELP: return CLI_PARSED_HELP;
     case CLI_FLAG: *(int *)(void *)member = 1; return CLI_PARSED;
     case CLI_STRING: *(const char **)(void *)member = text; return CLI_PARSED;
+    case CLI_LIST: return add_to_list((char **)(void *)member, text);
     case CLI_CHOICE:
     case CLI_DISTRIBUTION:
     case CLI_FRESNEL:
@@ -422,6 +440,9 @@ static enum cli_parse check_together(const struct parser *p)
     if (check_shard(p) != CLI_PARSED) {
         return CLI_PARSE_FAILED;
     }
+    if (brdffit_cli_check_reading(s, p->command_name) != 0) {
+        return usage(p);
+    }
     const enum cli_parse verify = check_verify(p);
     if (verify != CLI_PARSED || check_confidence(p) != CLI_PARSED) {
         return CLI_PARSE_FAILED;
@@ -455,6 +476,7 @@ static enum cli_parse parse_over_model(const struct parser *p, int argc, char **
 {
     const char **const files = p->settings->files;
     const char *const model = p->settings->model;
+    free(p->settings->columns); /* to be read again */
     set_defaults(p->settings);
     p->settings->files = files;
     if (brdffit_cli_take_model(p->settings, p->command_name, model) != 0) {

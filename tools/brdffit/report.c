@@ -9,17 +9,23 @@
 
 #include "confidence.h"
 #include "lobes.h"
+#include "misfit.h"
+#include "reading.h"
 #include "sample.h"
+#include "tell.h"
 #include "terms.h"
 #include "weigh.h"
 #include "words.h"
 
-#define NUMBER_WIDTH 12
+#define NUMBER_WIDTH 11
 #define PARAMETER_WIDTH 15
 #define LONGEST_CHANNEL 16
 /* With three lobes, so that the table still fits. */
-#define NUMBER_NARROW 11
-#define CHANNEL_SHORT 12
+#define NUMBER_NARROW 10
+/* Names in the table of channels, which has a column for each lobe. */
+#define CHANNEL_TWO 14
+#define CHANNEL_SHORT 9
+#define R2_WIDTH 8
 
 void brdffit_cli_cell(struct cli_text *text, struct cli_style style, const char *string, int width)
 {
@@ -37,7 +43,7 @@ void brdffit_cli_cell(struct cli_text *text, struct cli_style style, const char 
 
 void brdffit_cli_number_cell(struct cli_text *text, double value, int digits, int width)
 {
-    brdffit_cli_text_printf(text, "%*.*g", width, digits, value);
+    brdffit_cli_text_printf(text, " %*.*g", width - 1, digits, value); /* a blank even before 1.2345e-100 */
 }
 
 int brdffit_cli_channel_width(struct cli_style style, const brdffit_table *table)
@@ -84,6 +90,21 @@ void brdffit_cli_report_title(struct cli_text *text, struct cli_style style, con
     }
     text->failed |= title.failed | reasons.failed;
     brdffit_cli_text_free(&title);
+    brdffit_cli_text_free(&reasons);
+}
+
+void brdffit_cli_say_skipped(const struct cli_job *job, const struct cli_fitter *fitter)
+{
+    const struct cli_style style = brdffit_cli_style(stderr);
+    size_t used, skipped[BRDFFIT_SKIP_COUNT] = {0};
+    struct cli_text reasons = {0};
+    if (job->table == NULL || job->status != BRDFFIT_ERR_NO_SAMPLES || job->table->sums != NULL) {
+        return;
+    }
+    (void)brdffit_inspect(job->table->samples, &fitter->options, &used, skipped, BRDFFIT_SKIP_COUNT, NULL);
+    if (brdffit_cli_skipped(&reasons, style, skipped, job->table, fitter->options.max_incidence) > 0) {
+        brdffit_cli_tell("brdffit: skipped: %s\n", brdffit_cli_text_string(&reasons));
+    }
     brdffit_cli_text_free(&reasons);
 }
 
@@ -145,7 +166,10 @@ static void channel_table(struct cli_text *text, struct cli_style style, const s
 {
     const brdffit_result *const result = job->result;
     const int lobes = result->model->lobes;
-    const int number = lobes > 2 ? NUMBER_NARROW : NUMBER_WIDTH, widest = lobes > 2 ? CHANNEL_SHORT : LONGEST_CHANNEL;
+    const int digits = lobes > 2 ? 4 : 5, number = lobes > 2 ? NUMBER_NARROW : NUMBER_WIDTH,
+              widest = lobes > 2   ? CHANNEL_SHORT
+                       : lobes > 1 ? CHANNEL_TWO
+                                   : LONGEST_CHANNEL;
     const int wanted = brdffit_cli_channel_width(style, job->table), width = wanted > widest ? widest : wanted;
     brdffit_cli_text_puts(text, "\n  ");
     brdffit_cli_cell(text, style, "channel", -width);
@@ -157,13 +181,14 @@ static void channel_table(struct cli_text *text, struct cli_style style, const s
     }
     brdffit_cli_cell(text, style, "RMS", number);
     brdffit_cli_cell(text, style, "of max", number);
+    brdffit_cli_cell(text, style, style.utf8 ? "R²" : "R^2", R2_WIDTH);
     brdffit_cli_text_puts(text, "\n");
     for (size_t k = 0; k < result->model->channels; k++) {
         brdffit_cli_text_puts(text, "  ");
         brdffit_cli_channel_cell(text, style, job->table, k, width);
-        brdffit_cli_number_cell(text, result->model->x[k], 5, number);
+        brdffit_cli_number_cell(text, result->model->x[k], digits, number);
         for (int p = 0; p < lobes; p++) {
-            brdffit_cli_number_cell(text, result->model->y[k * (size_t)lobes + (size_t)p], 5, number);
+            brdffit_cli_number_cell(text, result->model->y[k * (size_t)lobes + (size_t)p], digits, number);
         }
         brdffit_cli_number_cell(text, result->rms[k], 3, number);
         const double maximum = channel_maximum(job, options, k);
@@ -172,6 +197,11 @@ static void channel_table(struct cli_text *text, struct cli_style style, const s
             brdffit_cli_text_puts(text, " %");
         } else {
             brdffit_cli_cell(text, style, brdffit_cli_glyph(style, CLI_DASH), number);
+        }
+        if (job->r2 != NULL && isfinite(job->r2[k])) {
+            brdffit_cli_number_cell(text, job->r2[k], 4, R2_WIDTH);
+        } else {
+            brdffit_cli_cell(text, style, brdffit_cli_glyph(style, CLI_DASH), R2_WIDTH);
         }
         brdffit_cli_text_puts(text, "\n");
     }
@@ -365,6 +395,8 @@ void brdffit_cli_report_fit(struct cli_text *text, struct cli_style style, const
     verification(text, style, job);
     physical(text, style, job);
     brdffit_cli_report_weights(text, style, job->table, job->weighting);
+    brdffit_cli_note_paragraphs(text, style, job->table, 0);
+    brdffit_cli_misfit_warnings(text, style, job, &fitter->options);
     brdffit_cli_warnings(text, style, result, &fitter->options);
     brdffit_cli_terms_warnings(text, style, job);
     effort(text, style, job, &fitter->options);

@@ -27,4 +27,7 @@ int brdffit_cli_channel_width(struct cli_style style, const brdffit_table *table
 void brdffit_cli_channel_cell(struct cli_text *text, struct cli_style style, const brdffit_table *table, size_t channel,
                               int width);
 
+/* Of a file none of whose samples could be fitted: on standard error, why not. */
+void brdffit_cli_say_skipped(const struct cli_job *job, const struct cli_fitter *fitter);
+
 #endif

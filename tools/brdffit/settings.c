@@ -7,6 +7,7 @@
 
 #include "criteria.h"
 #include "lobes.h"
+#include "reading.h"
 #include "term.h"
 #include "weigh.h"
 
@@ -37,9 +38,9 @@ static const struct cli_choice observations[] = {{"effective", 0, 0}, {"all", 1,
 static const struct cli_choice map_formats[] = {{"npy", CLI_MAP_NPY, 0}, {"pfm", CLI_MAP_PFM, 0}, {NULL, 0, 0}};
 
 #define AT(member) offsetof(struct cli_settings, member)
-#define WORKERS (CLI_FIT | CLI_EVAL | CLI_INFO | CLI_MAP | CLI_COMPARE)
-#define ALL (WORKERS | CLI_MERGE)
 #define READERS (CLI_FIT | CLI_EVAL | CLI_INFO | CLI_COMPARE)
+#define TABLES (READERS | CLI_MAP)
+#define ALL (TABLES | CLI_MERGE)
 #define FITS (CLI_FIT | CLI_MAP)
 #define SEARCHES (FITS | CLI_COMPARE)
 #define CHOICE(name, commands, hidden, member, choices, value, help)                                                   \
@@ -116,9 +117,23 @@ const struct cli_option brdffit_cli_options[] = {
      "skip samples lit from further off the normal\n(default 60; off when a model has Fresnel)"},
     {"max-incidence", 0, CLI_DEGREES, CLI_INFO, 0, AT(max_incidence), 0, 90, 1, NULL, "DEG|off",
      "skip samples lit from further off the normal\n(default 60)"},
-    CHOICE("values", WORKERS, 0, values, brdffit_cli_quantity_choices, "brdf|radiance",
-           "what the file's values are: f_r, or f_r times\n"
-           "the light's cosine (default brdf; for files\nwith a,b,c radiance)"),
+    CHOICE(
+        "values", READERS, 0, values, brdffit_cli_values_choices, "brdf|radiance|ccbrdf|reflectance-factor",
+        "what the file's values are: f_r, f_r times the\n"
+        "light's cosine, or a text's f_r times the\nviewer's cosine or times pi (default brdf; for\nfiles with a,b,c radiance)"),
+    CHOICE("values", CLI_MAP, 0, values, brdffit_cli_quantity_choices, "brdf|radiance",
+           "what the stack's values are: f_r, or f_r times\nthe light's cosine (default brdf)"),
+    PLAIN("channels", 0, CLI_STRING, READERS, channels, "NAME,...",
+          "columns of a text that are the channels; what\nmeans nothing else is left out"),
+    PLAIN("column", 0, CLI_LIST, TABLES, columns, "ROLE=NAME,...",
+          "what a column of a text means: theta_i, phi_i,\ntheta_o, phi_o, phi, lx ... vz, nx, a, b, c,\n"
+          "weight, uncertainty, wavelength, channel or\nignore; #3 is the third column"),
+    PLAIN("directions", 0, CLI_STRING, TABLES, directions, "WORD,...",
+          "what a text's directions are: degrees, radians,\nelevation, mirror-at-0, light-travels, y-up,\nas-written"),
+    PLAIN("missing", 0, CLI_STRING, READERS, missing, "X|negative|none",
+          "values of a text that stand for none: X, all\nbelow 0, or no number"),
+    {"saturated", 0, CLI_NUMBER, READERS, 0, AT(saturated), 0, 1e300, 1, NULL, "X",
+     "leave samples of a text out that have a value\nof X or more"},
     CHOICE(
         "weight", CLI_FIT | CLI_COMPARE, 0, weight, brdffit_cli_weight_choices,
         "none|column|cosine|solid-angle|relative",
@@ -174,7 +189,9 @@ const struct cli_option brdffit_cli_options[] = {
 void brdffit_cli_settings_free(struct cli_settings *settings)
 {
     free((void *)settings->files);
+    free(settings->columns);
     settings->files = NULL;
+    settings->columns = NULL;
     settings->file_count = 0;
 }
 
@@ -211,10 +228,7 @@ void brdffit_cli_io_options(const struct cli_settings *settings, brdffit_io_opti
 {
     brdffit_io_options_init(options);
     options->format = (brdffit_io_format)settings->format;
-    options->quantity_set = settings->values != CLI_UNSET;
-    if (options->quantity_set) {
-        options->quantity = (brdffit_quantity)settings->values;
-    }
+    brdffit_cli_reading_options(settings, options);
     options->max_bytes = settings->max_bytes;
     options->merl_bins = (brdffit_io_merl_bins)settings->merl_bins;
     if (strcmp(settings->merl_samples, "84") == 0) {

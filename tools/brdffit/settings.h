@@ -47,7 +47,10 @@ struct cli_settings {
     double resolution;
     double max_incidence; /* CLI_UNSET until all options are read */
     size_t box_budget;
-    int values; /* CLI_UNSET, or a brdffit_quantity */
+    int values; /* CLI_UNSET, a brdffit_quantity, or one of reading.h */
+    const char *channels, *missing, *directions; /* as given; NULL: not */
+    char *columns;    /* all --column, commas between them; owned */
+    double saturated; /* 0: not given */
     int weight; /* CLI_UNSET, or a brdffit_weighting */
     int format;
     int merl_bins;
@@ -93,6 +96,7 @@ enum cli_option_kind {
     CLI_COUNT,
     CLI_DEGREES, /* a number, or "off" for 90 */
     CLI_STRING,
+    CLI_LIST, /* a string; given again, more of it after a comma */
     CLI_HELP
 };
 

@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "reading.h"
+
 static void record_bytes(struct cli_text *text, const char *name, const double *values, size_t count)
 {
     brdffit_cli_text_printf(text, "%s %zu\n", name, count);
@@ -27,6 +29,7 @@ static void record(struct cli_text *text, const struct cli_settings *s, const br
     if (s->confidence > 0) {
         brdffit_cli_text_printf(text, "--confidence %.17g\n", s->confidence);
     }
+    brdffit_cli_record_reading(text, s);
     brdffit_cli_text_puts(text, s->lobes_auto ? "--lobes auto\n" : "");
     if (directions != NULL) {
         record_bytes(text, "light", directions->light, 3 * directions->count);

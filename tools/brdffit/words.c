@@ -340,7 +340,8 @@ size_t brdffit_cli_skipped(struct cli_text *text, struct cli_style style, const 
     add_reason(text, &total, skipped[BRDFFIT_SKIP_VIEW_BELOW_HORIZON], "with the viewer below the horizon");
     add_reason(text, &total, skipped[BRDFFIT_SKIP_ZERO_WEIGHT], "of weight 0");
     add_reason(text, &total, table->dropped[BRDFFIT_IO_DROP_MASKED], "masked (not measured)");
-    add_reason(text, &total, table->dropped[BRDFFIT_IO_DROP_ABSENT], "with an empty field");
+    add_reason(text, &total, table->dropped[BRDFFIT_IO_DROP_ABSENT], "without a value");
+    add_reason(text, &total, table->dropped[BRDFFIT_IO_DROP_SATURATED], "saturated");
     add_reason(text, &total, table->dropped[BRDFFIT_IO_DROP_BELOW_HORIZON], "cells beyond the hemisphere");
     return total;
 }

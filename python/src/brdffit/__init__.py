@@ -28,7 +28,7 @@ from .progress import Progress
 from .readers.lp import LightPositions, load_lp
 from .readers.rgl import RGLMaterial, load_rgl
 from .readers.stack import Stack, load_stack
-from .samples import Samples, protocol84
+from .samples import Samples, column_words, protocol84
 
 if TYPE_CHECKING:
     from .regressor import BRDFRegressor
@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 __all__ = ["BRDFRegressor", "Boxes", "BrdffitError", "Comparison", "DataError", "FileError", "Fit", "FitMap", "Intervals",
            "LibraryError",
            "LightPositions", "MapProgress", "MerlTable", "Options", "OptionError", "OutOfMemoryError", "Progress", "RGLMaterial",
-           "Samples", "Stack", "UnsupportedError", "__version__", "compare", "distributions", "fit", "fit_boxes", "fit_many",
+           "Samples", "Stack", "UnsupportedError", "__version__", "column_words", "compare", "distributions", "fit", "fit_boxes",
+           "fit_many",
            "fit_map", "library_path", "load_lp", "load_merl", "load_rgl", "load_stack", "protocol84"]
 if importlib.util.find_spec("sklearn") is None:
     __all__.remove("BRDFRegressor")  # which cannot be imported: `import *` would fail for everything

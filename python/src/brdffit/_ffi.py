@@ -108,6 +108,8 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "brdffit_inspect": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), POINTER(c_size_t),
                                 POINTER(c_size_t), c_size_t, POINTER(structs.Error)]),
     "brdffit_eval": (c_int, [POINTER(structs.Model), POINTER(structs.Samples), c_void_p, POINTER(structs.Error)]),
+    "brdffit_quality": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), c_void_p, c_void_p, c_void_p, c_void_p,
+                                POINTER(structs.Error)]),
     "brdffit_azimuth_share": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), POINTER(structs.Model), c_void_p,
                                       POINTER(c_double), POINTER(structs.Error)]),
     "brdffit_f0_interval": (c_int, [POINTER(structs.Samples), POINTER(structs.Options), POINTER(structs.Model), c_void_p,
@@ -130,6 +132,7 @@ _IO_PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
                                 POINTER(structs.Error)]),
     "brdffit_io_free": (None, [POINTER(structs.Table)]),
     "brdffit_io_protocol84": (None, [c_void_p, c_void_p]),
+    "brdffit_io_column_words": (c_char_p, [c_size_t, POINTER(c_char_p)]),
 }
 
 

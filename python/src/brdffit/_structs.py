@@ -27,7 +27,11 @@ NORMALISE = ("max", "none")
 PHASE = ("reduced", "search")
 STOP = ("relative_gap", "absolute_gap", "resolution", "rounding", "budget", "memory", "cancelled",
         "contradiction")
-DROP = ("masked", "absent", "cell_below_horizon")
+DROP = ("masked", "absent", "cell_below_horizon", "saturated")
+MISSING = ("marked", "value", "negative", "none")
+VALUES = ("plain", "ccbrdf", "reflectance-factor")
+DIRECTIONS = ("degrees", "radians", "elevation", "mirror-at-0", "light-travels", "y-up", "as-written")  # bits 1, 2, 4, ...
+MISFIT = ("poor", "patterned")  # bits 1, 2
 FORMAT = ("auto", "csv", "merl")
 MERL_BINS = ("edge", "centre")
 MERL_SAMPLING = ("table", "84", "directions")
@@ -344,7 +348,23 @@ class IoOptions(ctypes.Structure):
         ("directions_only", c_int),
         ("directions", POINTER(Samples)),
         ("max_bytes", c_size_t),
+        ("channels", c_char_p),
+        ("columns", c_char_p),
+        ("missing", c_int),
+        ("values", c_int),
+        ("directions_as", c_uint),
+        ("reserved", c_int),
+        ("missing_value", c_double),
+        ("saturated", c_double),
+        ("fault", c_char_p),
+        ("fault_size", c_size_t),
     ]
+
+
+class Note(ctypes.Structure):
+    """brdffit_io_note"""
+
+    _fields_ = [("text", c_char_p), ("warning", c_size_t)]
 
 
 class Table(ctypes.Structure):
@@ -363,6 +383,8 @@ class Table(ctypes.Structure):
         ("merl_bins", c_int),
         ("merl_sampling", c_int),
         ("sums", c_void_p),
+        ("notes", POINTER(POINTER(Note))),
+        ("note_count", c_size_t),
     ]
 
 
@@ -384,5 +406,6 @@ C_NAMES = {
     "brdffit_texel_results": TexelResults,
     "brdffit_many_stats": ManyStats,
     "brdffit_io_options": IoOptions,
+    "brdffit_io_note": Note,
     "brdffit_table": Table,
 }

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 OBJECTIVES = {"l2": "E²", "l1": "sum of absolute residuals", "linf": "maximum absolute residual"}
 SKIPPED = (("incidence", "lit from beyond %.6g°"), ("light_below_horizon", "with the light below the horizon"),
            ("view_below_horizon", "with the viewer below the horizon"), ("zero_weight", "of weight 0"),
-           ("masked", "masked (not measured)"), ("absent", "with an empty field"),
-           ("cell_below_horizon", "cells beyond the hemisphere"))
+           ("masked", "masked (not measured)"), ("absent", "without a value"),
+           ("saturated", "saturated"), ("cell_below_horizon", "cells beyond the hemisphere"))
 
 WEIGHTS = {"none": "Samples count alike.", "column": "Samples have weights of their own.",
            "cosine": "Samples are weighted by the cosine of the light.",
@@ -34,14 +34,15 @@ WEIGHTS = {"none": "Samples count alike.", "column": "Samples have weights of th
 _MEMBERS = ("schema", "file", "status", "distribution", "distributions", "fresnel", "diffuse", "masking", "norm", "engine",
             "lobes", "sigma", "exponent", "x", "y", "azimuth_share", "sigma_xy", "anisotropy", "tangent_angle",
             "f0", "ior", "f0_interval", "x_more", "channel_scale", "e2", "objective",
-            "e2_error", "lower_bound", "gap", "rms", "rms_total", "sum_of_squares",
+            "e2_error", "lower_bound", "gap", "rms", "rms_total", "r2", "r2_total", "relative_rms",
+            "foreseen", "misfit", "sum_of_squares",
             "kkt_residual", "physical", "samples_used", "samples_skipped", "boxes", "nodes", "socp", "verify", "distinct_c", "stop",
             "weight", "effective_samples", "sigma_interval", "exponent_interval", "warnings", "channels", "normalise",
             "sigma_range", "exponent_range", "relative_gap", "absolute_gap", "sigma_resolution", "box_budget",
-            "max_incidence", "proven_sigma", "proven_exponent", "format", "quantity", "merl_bins", "merl_samples",
-            "weighting", "seconds")
+            "max_incidence", "proven_sigma", "proven_exponent", "reading", "format", "quantity", "merl_bins", "merl_samples",
+            "weighting", "notes", "data_warnings", "seconds")
 # f0_interval: null where there is an f0 but none of it
-_WHERE_THERE = ("azimuth_share", "sigma_xy", "anisotropy", "tangent_angle", "f0", "ior", "x_more", "physical")
+_WHERE_THERE = ("azimuth_share", "sigma_xy", "anisotropy", "tangent_angle", "f0", "ior", "x_more", "physical", "reading")
 _ONLY_BY_EXPONENT = ("exponent", "exponent_interval", "exponent_range")  # proven_exponent: where there is an exponent
 
 
@@ -71,6 +72,8 @@ def plain(fit: Fit) -> dict[str, Any]:
         if value is None and (name in _WHERE_THERE or (name == "f0_interval" and fit.f0 is None)):
             continue
         out[name] = _plain(value)
+        if name == "r2" and value is not None:
+            out[name] = [one if one == one else None for one in out[name]]
         if name == "ior":
             out[name] = [[one if math.isfinite(one) else None for one in row] for row in out[name]]
         if name in ("exponent", "exponent_interval"):
@@ -213,9 +216,26 @@ def _proof(fit: Fit) -> str:
 
 
 def warnings(fit: Fit) -> list[str]:
-    """A sentence for each warning of each lobe; of an unused lobe only that."""
-    return ["Warning, lobe %d: %s" % (p + 1, _warning(fit, p, word)) for p, words in enumerate(fit.warnings)
-            for word in words if word == "unused" or "unused" not in words] + _terms.warnings(fit)
+    """A sentence for each thing that looks wrong: in the data, in how the model describes them, in a lobe (of an unused one only
+    that)."""
+    return ["Warning, data: %s" % _sentence(note) for note in fit.data_warnings] + _misfit(fit) + [
+        "Warning, lobe %d: %s" % (p + 1, _warning(fit, p, word)) for p, words in enumerate(fit.warnings)
+        for word in words if word == "unused" or "unused" not in words] + _terms.warnings(fit)
+
+
+def _sentence(note: str) -> str:
+    return note if note.endswith("?") else note + "."
+
+
+def _misfit(fit: Fit) -> list[str]:
+    if not fit.misfit or fit.relative_rms is None:
+        return []
+    r2 = "" if fit.r2_total is None else "R² is %.3g in all, " % fit.r2_total
+    foretold = (", and those of neighbouring samples foretell %.2g %% of their squares, which are no noise" % (100 * fit.foreseen)
+                if "patterned" in fit.misfit and fit.foreseen is not None else "")
+    return ["Warning, misfit: this model does not describe these data. %sresiduals are %.2g %% of the data%s. Are directions "
+            "and values what they are read as (notes)? Or is this another kind of material (compare)?" % (
+                r2, 100 * fit.relative_rms, foretold)]
 
 
 def _warning(fit: Fit, p: int, word: str) -> str:
@@ -269,10 +289,11 @@ def lobe_table(fit: Fit) -> list[list[str]]:
 
 
 def channel_table(fit: Fit) -> list[list[str]]:
-    rows = [["channel", "diffuse x", *("lobe %d y" % (p + 1) for p in range(fit.lobes)), "RMS", "of max"]]
+    rows = [["channel", "diffuse x", *("lobe %d y" % (p + 1) for p in range(fit.lobes)), "RMS", "of max", "R²"]]
     for k, name in enumerate(fit.channels):
+        r2 = "" if fit.r2 is None or fit.r2[k] != fit.r2[k] else "%.4g" % fit.r2[k]
         share = "%.3g %%" % (100 * fit.rms[k] / fit.channel_scale[k]) if fit.normalise == "max" else ""
-        rows.append([name, "%.5g" % fit.x[k], *("%.5g" % y for y in fit.y[k]), "%.3g" % fit.rms[k], share])
+        rows.append([name, "%.5g" % fit.x[k], *("%.5g" % y for y in fit.y[k]), "%.3g" % fit.rms[k], share, r2])
     return rows
 
 

@@ -27,12 +27,14 @@ class BrdffitError(Exception):
     sample, channel: indices from 0, or None where they do not apply
     line, column: of a text file, from 1, or None
     value: the offending value, or None
+    text: what stands in the field of the file, or None
     path: the file, or None
     """
 
     def __init__(self, message: str, *, code: str = "argument", sample: int | None = None, channel: int | None = None,
                  line: int | None = None, column: int | None = None, value: float | None = None,
-                 path: str | None = None, channel_name: str | None = None, texel: tuple[int, ...] | None = None) -> None:
+                 path: str | None = None, channel_name: str | None = None, texel: tuple[int, ...] | None = None,
+                 text: str | None = None) -> None:
         super().__init__(message)
         self.code = code
         self.message = message
@@ -41,6 +43,7 @@ class BrdffitError(Exception):
         self.line = line
         self.column = column
         self.value = value
+        self.text = text
         self.path = path
         self.channel_name = channel_name
         self.texel = texel
@@ -60,7 +63,7 @@ class BrdffitError(Exception):
             places.append("channel %d%s" % (self.channel, name))
         parts = [part for part in (self.path, ", ".join(places)) if part]
         value = "" if self.value is None else ": %.17g" % self.value
-        return shown(": ".join([*parts, self.message]) + value)
+        return shown(": ".join([*parts, self.message]) + value + ("" if not self.text else ": '%s'" % self.text))
 
     def __reduce__(self) -> tuple[object, ...]:
         return (_rebuild, (type(self), self.message, self.__dict__.copy()))
@@ -101,8 +104,8 @@ def _place(value: int) -> int | None:
 
 
 def from_struct(error: structs.Error, *, path: str | None = None, channels: Sequence[str] = (),
-                lines: npt.NDArray[np.uintp] | None = None) -> BrdffitError:
-    """The exception for a filled-in brdffit_error; `lines` gives a sample's line of the text file."""
+                lines: npt.NDArray[np.uintp] | None = None, text: bytes = b"") -> BrdffitError:
+    """The exception for a filled-in brdffit_error; `lines` gives a sample's line of the text file, `text` is the fault's."""
     code = structs.STATUS[error.status]
     sample, channel, line = _place(error.sample), _place(error.channel), _place(error.line)
     if line is None and sample is not None and lines is not None and sample < len(lines):
@@ -112,4 +115,5 @@ def from_struct(error: structs.Error, *, path: str | None = None, channels: Sequ
     value = error.value if error.value != 0 else None
     return _KINDS.get(code, BrdffitError)(
         error.message.decode("utf-8", "replace") if error.message else code, code=code, sample=sample, channel=channel,
-        line=line, column=_place(error.column), value=value, path=None if code == "option" else path, channel_name=name)
+        line=line, column=_place(error.column), value=value, path=None if code == "option" else path, channel_name=name,
+        text=text.decode("utf-8", "replace") or None)

@@ -34,6 +34,7 @@ SamplesLike = Union[Samples, str, "os.PathLike[str]"]
 _ARRAY_FIELDS = ("sigma", "exponent", "x", "y", "channel_scale", "rms", "weight", "effective_samples",
                  "sigma_interval", "exponent_interval", "proven_sigma", "proven_exponent", "_merl_directions", "f0", "x_more",
                  "f0_interval", "sigma_xy", "anisotropy", "tangent_angle")
+_WORD_FIELDS = ("channels", "sigma_range", "exponent_range", "misfit", "notes", "data_warnings")
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -66,11 +67,18 @@ class Fit(Frozen):
         beyond any double; NaN where no lobe is left. proven_exponent: the same in terms of n, NaN of lobes that are not
         known by it; None where no lobe is
     rms: K root mean square radiance residuals, the data's units; rms_total: of all, in units of channel_scale
+    r2: K, 1 - sum w r^2 / sum w (I - mean I)^2 of radiance I and its residuals r, NaN where I does not vary; r2_total,
+        relative_rms (sqrt(sum w r^2 / sum w I^2)): of all channels in units of their largest I; foreseen: the share of squared
+        residuals that those of neighbouring samples foretell, near 1 where the model misses something; misfit: "poor" (in some
+        channel R^2 below 0.5 and residuals above 0.1 of the data), "patterned" (foreseen above 0.77,
+        relative_rms above 0.02): this model does not
+        describe these data (see brdffit_quality of brdffit.h). None in fits of fit_many
     weight: share of each lobe; effective_samples: how many samples it rests on
     sigma_interval: P x 2, where E^2 is the optimum's to rounding; warnings: per lobe, of "unresolved", "flat",
         "unused", "at_limit"
     samples_used, samples_skipped: how many, and by reason
     weighting: what samples counted for, see `Samples.weighted`
+    notes, data_warnings, reading: as of `Samples`
     seconds: read (when it was a file), reduce (where it was told apart), search; None in fits of fit_many, which are
         not timed one by one
     """
@@ -134,6 +142,14 @@ class Fit(Frozen):
     x_more: Floats | None = None
     f0_interval: Floats | None = None
     weighting: str = "none"
+    r2: Floats | None = None
+    r2_total: float | None = None
+    relative_rms: float | None = None
+    foreseen: float | None = None
+    misfit: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    data_warnings: tuple[str, ...] = ()
+    reading: Mapping[str, Any] | None = None
     sigma_xy: Floats | None = None
     anisotropy: Floats | None = None
     tangent_angle: Floats | None = None
@@ -319,7 +335,11 @@ class Fit(Frozen):
         for name in _ARRAY_FIELDS:
             if members[name] is not None:
                 members[name] = freeze(floats(name, members[name]))
-        for name in ("channels", "sigma_range", "exponent_range"):
+        if given.get("r2") is not None:
+            members["r2"] = freeze(floats("r2", [np.nan if one is None else one for one in given["r2"]]))
+        for name in ("misfit", "notes", "data_warnings"):
+            members[name] = members[name] or ()
+        for name in _WORD_FIELDS:
             if members[name] is not None:
                 members[name] = tuple(members[name])
         missing = sorted(n for n in ("sigma", "x", "y", "channels") if members[n] is None)
@@ -420,7 +440,8 @@ def run(samples: Samples, options: Options, verify: float | None, progress: Prog
         proof = None if verify is None else _verify(samples, options, result.contents, verify)
         told = None if options.physical else _terms.f0_interval(result.contents.model, c_samples, c_options)
         share = None if options.anisotropic else _terms.azimuth_share(result.contents, c_samples, c_options)
-        return convert(result.contents, samples, options, proof, {**read, **observer.seconds(began, ended)}, told, share)
+        return convert(result.contents, samples, options, proof, {**read, **observer.seconds(began, ended)}, told, share,
+                       _quality(result.contents.model, c_samples, c_options))
     finally:
         ffi.core.brdffit_result_free(result)
 
@@ -442,6 +463,21 @@ def _verify(samples: Samples, options: Options, result: structs.Result, margin: 
             "stop": None if proven else structs.STOP[v.stop], "boxes": int(v.boxes), "leaves": int(v.leaves),
             "solved": int(v.solved), "refused": int(v.refused), "decided": int(v.decided),
             "seconds": time.perf_counter() - began}
+
+
+def _quality(model: Any, samples: structs.Samples, options: structs.Options) -> dict[str, Any]:
+    """How good the fit is, as attributes of a `Fit`."""
+    ffi = library()
+    count, channels = samples.count, samples.channels
+    fitted, r2, total, misfit = np.empty((count, channels)), np.empty(channels), np.empty(3), ctypes.c_uint(0)
+    if (ffi.core.brdffit_eval(model, byref(samples), fitted.ctypes.data, None) != 0 or
+            ffi.core.brdffit_quality(byref(samples), byref(options), fitted.ctypes.data, r2.ctypes.data, total.ctypes.data,
+                                     byref(misfit), None) != 0):
+        return {}
+    r2[~np.isfinite(r2)] = np.nan
+    figures = [float(one) if math.isfinite(one) else None for one in total]
+    return {"r2": freeze(r2), "r2_total": figures[0], "relative_rms": figures[1], "foreseen": figures[2],
+            "misfit": tuple(word for bit, word in enumerate(structs.MISFIT) if misfit.value >> bit & 1)}
 
 
 def _copy(start: int, count: int) -> Floats:
@@ -483,7 +519,7 @@ def _proven(floor: Floats, by_n: Sequence[bool], options: Options) -> tuple[Floa
 
 def convert(r: structs.Result, samples: Samples, options: Options, proof: Mapping[str, Any] | None,
             seconds: Mapping[str, float] | None, f0_interval: Floats | None = None,
-            azimuth_share: float | None = None) -> Fit:
+            azimuth_share: float | None = None, quality: Mapping[str, Any] | None = None) -> Fit:
     """A brdffit_result as a Fit that owns its memory."""
     model = r.model.contents
     lobes, channels = model.lobes, model.channels
@@ -520,7 +556,9 @@ def convert(r: structs.Result, samples: Samples, options: Options, proof: Mappin
         merl_bins=samples.merl_bins, merl_samples=samples.merl_samples, seconds=seconds, file=samples.file,
         schema=SCHEMA, _merl_directions=samples._merl_directions, weighting=samples.weighting,
         physical={"channels_at_limit": int(r.channels_at_limit), "e2_free": r.e2_free} if options.physical else None,
-        **_terms.of_model(model), azimuth_share=azimuth_share,
+        **_terms.of_model(model), **(quality or {}), notes=samples.notes, data_warnings=samples.data_warnings,
+        reading=samples.reading,
+        azimuth_share=azimuth_share,
         sigma_xy=table[:, _LOBE["sigma_x"]:_LOBE["sigma_y"] + 1] if model.anisotropy else None,
         f0_interval=None if f0_interval is None else freeze(f0_interval))
     return fit

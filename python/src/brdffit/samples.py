@@ -4,6 +4,7 @@ from __future__ import annotations
 import dataclasses
 import weakref
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +17,9 @@ from ._ffi import library
 from ._words import readable
 from .errors import DataError
 from .readers import load
-from .readers.native import protocol84
+from .readers.native import column_words, protocol84
 
-__all__ = ["Samples", "protocol84"]
+__all__ = ["Samples", "column_words", "protocol84"]
 
 _VECTORS = ("light", "view", "normal", "tangent")
 _ANGLES = ("cos_light", "cos_view", "tan2_half", "cos_difference")
@@ -42,6 +43,8 @@ class Samples(Frozen):
     file: where it came from, or None
     lines: per sample, its line of the text file, or None
     dropped: entries of the file that did not become samples of their own, by reason
+    notes: what was inferred from a text file or left out of it, a sentence each; data_warnings: what looks wrong in it
+    reading: how it was asked to be read, as the JSON of a fit has it, or None
 
     Arrays cannot be written to.
     """
@@ -70,6 +73,9 @@ class Samples(Frozen):
     dropped: Mapping[str, int] = dataclasses.field(default_factory=dict)
     _merl_directions: Floats | None = None
     weighting: str = ""
+    notes: tuple[str, ...] = ()
+    data_warnings: tuple[str, ...] = ()
+    reading: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
         def put(name: str, value: object) -> None:
@@ -137,9 +143,11 @@ class Samples(Frozen):
                     cos_difference: npt.ArrayLike, values: npt.ArrayLike, *, weights: npt.ArrayLike | None = None,
                     channels: Sequence[str] | None = None, quantity: str = "brdf") -> Samples:
         """By angles alone, as tables in half and difference angles have them (N each): n.l, n.v, the squared tangent of the
-        half angle, v.h."""
+        half angle, v.h. They belong together: n.l + n.v = 2 (v.h) (n.h), to 1e-3."""
         data = _rows(values)
         n = len(data)
+        _belong(*(column(name, value, n) for name, value in (("cos_light", cos_light), ("cos_view", cos_view),
+                                                            ("tan2_half", tan2_half), ("cos_difference", cos_difference))))
         return cls(values=data, channels=_names(channels, data), quantity=quantity, form="angles",
                    cos_light=column("cos_light", cos_light, n), cos_view=column("cos_view", cos_view, n),
                    tan2_half=column("tan2_half", tan2_half, n),
@@ -157,12 +165,27 @@ class Samples(Frozen):
                    weights=None if weights is None else column("weights", weights, n))
 
     @classmethod
-    def from_csv(cls, path: Path, *, quantity: str | None = None, max_bytes: int = 0) -> Samples:
+    def from_csv(cls, path: Path, *, quantity: str | None = None, channels: Sequence[str] | None = None,
+                 columns: Mapping[str, str] | None = None, missing: float | str | None = None,
+                 saturated: float | None = None, directions: str | Sequence[str] | None = None,
+                 max_bytes: int = 0) -> Samples:
         """A CSV or TSV file (also .gz). One header line names the columns: theta_i, phi_i, theta_o, phi_o in degrees,
         or lx, ly, lz, vx, vy, vz, or a, b, c; weight; uncertainty (standard deviation of the values, in their units, which
-        becomes a weight); every other column is a channel. `quantity` None: "brdf" for directions, "radiance" for a, b,
-        c. `max_bytes`: most of the file, and of what it unpacks to (0: 8 and 1 GiB)."""
-        return cls(**load(path, "csv", quantity=quantity, max_bytes=max_bytes))
+        becomes a weight); other columns of numbers are channels. Names are matched by their words (`column_words`), and what
+        was inferred or left out is in `notes`.
+
+        quantity: "brdf", "radiance", "ccbrdf" (f_r times the viewer's cosine) or "reflectance-factor" (pi f_r), the last two
+            turned into f_r; None: "brdf" for directions, "radiance" for a, b, c
+        channels: these columns are the channels; what means nothing else is left out
+        columns: what columns mean whose names do not say it: {"theta_i": "Incidence", "ignore": "#3"} (the third column)
+        missing: a value that stands for none, "negative" for all below 0, or "none"
+        saturated: samples with a value from there on are left out
+        directions: what they are, of "degrees", "radians", "elevation" (angles above the surface), "mirror-at-0" (azimuths
+            count from the mirror direction), "light-travels" (its vectors point to the surface), "y-up", "as-written"
+        max_bytes: most of the file, and of what it unpacks to (0: 8 and 1 GiB)
+        """
+        return cls(**load(path, "csv", quantity=quantity, channels=channels, columns=columns, missing=missing,
+                          saturated=saturated, directions=directions, max_bytes=max_bytes))
 
     @classmethod
     def _places(cls, path: Path, quantity: str | None) -> Samples:
@@ -275,6 +298,17 @@ def _rows(values: npt.ArrayLike) -> Floats:
     if data.ndim not in (1, 2):
         raise DataError("values must be N x K or N, not shape %s" % (data.shape,), code="argument")
     return data.reshape(-1, 1) if data.ndim == 1 else data
+
+
+def _belong(cos_light: Floats, cos_view: Floats, tan2_half: Floats, cos_difference: Floats) -> None:
+    """Whether four angles are of one pair of directions: h is between the two."""
+    with np.errstate(invalid="ignore"):
+        off = np.abs(cos_light + cos_view - 2 * cos_difference / np.sqrt(1 + tan2_half))
+    wrong = np.flatnonzero((off > 1e-3) & (cos_light > 0) & (cos_view > 0))
+    if len(wrong):
+        raise DataError("cos_light + cos_view is not 2 cos_difference / sqrt(1 + tan2_half), which it is of any two directions: "
+                        "are all four cosines and a squared tangent, in this order?", code="value", sample=int(wrong[0]),
+                        value=float(off[wrong[0]]))
 
 
 def _names(channels: Sequence[str] | None, values: Floats) -> tuple[str, ...]:

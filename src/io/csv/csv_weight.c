@@ -23,18 +23,25 @@ static void scaled(const double *in, double *out)
     }
 }
 
+double brdffit_io_csv_cosine(const struct io_table *table, enum io_array side, size_t i)
+{
+    static const double up[3] = {0.0, 0.0, 1.0};
+    double direction[3], normal[3];
+
+    scaled(table->array[side] + 3 * i, direction);
+    scaled(table->width[IO_NORMAL] ? table->array[IO_NORMAL] + 3 * i : up, normal);
+    return dot(direction, normal) / sqrt(dot(direction, direction) * dot(normal, normal));
+}
+
 /* What turns a value into radiance; 1 below the horizon, where no fit uses the sample. */
 static double to_radiance(const struct io_table *table, size_t i)
 {
-    static const double up[3] = {0.0, 0.0, 1.0};
-    double light[3], normal[3], cosine;
+    double cosine;
 
     if (table->samples.quantity == BRDFFIT_QUANTITY_RADIANCE) {
         return 1.0;
     }
-    scaled(table->array[IO_LIGHT] + 3 * i, light);
-    scaled(table->width[IO_NORMAL] ? table->array[IO_NORMAL] + 3 * i : up, normal);
-    cosine = dot(light, normal) / sqrt(dot(light, light) * dot(normal, normal));
+    cosine = brdffit_io_csv_cosine(table, IO_LIGHT, i);
     return cosine > 0.0 ? cosine : 1.0;
 }
 

@@ -19,7 +19,7 @@ static const char *line_end(const char *at, const char *end)
     return at;
 }
 
-int brdffit_io_next_line(struct io_lines *lines, struct io_field *line)
+int brdffit_io_any_line(struct io_lines *lines, struct io_field *line)
 {
     while (lines->at < lines->end) {
         const char *start = lines->at, *stop = line_end(start, lines->end), *first = start;
@@ -34,7 +34,7 @@ int brdffit_io_next_line(struct io_lines *lines, struct io_field *line)
         while (first < stop && is_blank(*first, 0)) {
             first++;
         }
-        if (first < stop && *first != '#') {
+        if (first < stop) {
             line->text = start;
             line->length = (size_t)(stop - start);
             line->quoted = 0;
@@ -44,22 +44,54 @@ int brdffit_io_next_line(struct io_lines *lines, struct io_field *line)
     return 0;
 }
 
-char brdffit_io_separator(const struct io_field *header)
+const char *brdffit_io_comment(const struct io_field *line)
 {
-    static const char candidates[3] = {',', ';', '\t'}; /* ties go to the first */
-    size_t count[3] = {0, 0, 0}, i;
-    int quoted = 0, best = 0, j;
+    const char *at = line->text, *end = at + line->length;
 
-    for (i = 0; i < header->length; i++) {
-        quoted ^= header->text[i] == '"';
-        for (j = 0; j < 3 && !quoted; j++) {
-            count[j] += header->text[i] == candidates[j];
+    while (at < end && is_blank(*at, 0)) {
+        at++;
+    }
+    if (at < end && (*at == '#' || *at == '%')) {
+        while (at < end && (*at == '#' || *at == '%')) {
+            at++;
+        }
+        return at;
+    }
+    return end - at > 1 && at[0] == '/' && at[1] == '/' ? at + 2 : NULL;
+}
+
+int brdffit_io_next_line(struct io_lines *lines, struct io_field *line)
+{
+    while (brdffit_io_any_line(lines, line)) {
+        if (!brdffit_io_comment(line)) {
+            return 1;
         }
     }
-    for (j = 1; j < 3; j++) {
-        best = count[j] > count[best] ? j : best;
+    return 0;
+}
+
+void brdffit_io_count_separators(const struct io_field *line, size_t count[5])
+{
+    size_t i;
+    int quoted = 0, gap = 0, begun = 0;
+
+    memset(count, 0, 5 * sizeof *count);
+    for (i = 0; i < line->length; i++) {
+        const char c = line->text[i];
+        const char *which = c && !quoted ? strchr(IO_SEPARATORS, c) : NULL;
+
+        quoted ^= c == '"';
+        if (c == ' ' || c == '\t') {
+            gap = begun;
+        } else {
+            count[4] += (size_t)gap;
+            gap = 0;
+            begun = 1;
+        }
+        if (which && c != ' ') {
+            count[which - IO_SEPARATORS]++;
+        }
     }
-    return count[best] > 0 ? candidates[best] : 0;
 }
 
 /* The closing quote of text that starts after the opening one; NULL when there is none. */
@@ -84,7 +116,7 @@ static enum io_split quoted_field(const char **at, const char *end, char separat
     field->text = open;
     field->length = (size_t)(close - open);
     field->quoted = 1;
-    for (*at = close + 1; *at < end && **at != separator; (*at)++) {
+    for (*at = close + 1; *at < end && **at != separator && !(separator == ' ' && **at == '\t'); (*at)++) {
         if (!is_blank(**at, separator)) {
             return IO_SPLIT_AFTER_QUOTE;
         }
@@ -106,11 +138,48 @@ static void plain_field(const char **at, const char *end, char separator, struct
     field->quoted = 0;
 }
 
+/* Fields between runs of blanks and tabs. */
+static enum io_split split_blanks(const struct io_field *line, struct io_field *fields, size_t capacity, size_t *count)
+{
+    const char *at = line->text, *end = at + line->length;
+
+    for (*count = 0;; (*count)++) {
+        struct io_field field = {at, 0, 0};
+        enum io_split split = IO_SPLIT_OK;
+
+        while (at < end && is_blank(*at, 0)) {
+            at++;
+        }
+        if (at == end) {
+            return IO_SPLIT_OK;
+        }
+        if (*at == '"') {
+            split = quoted_field(&at, end, ' ', &field);
+        } else {
+            field.text = at;
+            while (at < end && !is_blank(*at, 0)) {
+                at++;
+            }
+            field.length = (size_t)(at - field.text);
+        }
+        if (split != IO_SPLIT_OK) {
+            ++*count;
+            return split;
+        }
+        if (*count < capacity) {
+            fields[*count] = field;
+        }
+    }
+}
+
 enum io_split brdffit_io_split(const struct io_field *line, char separator, struct io_field *fields, size_t capacity,
                                size_t *count)
 {
     const char *at = line->text, *end = at + line->length;
 
+    if (separator == ' ') {
+        return split_blanks(line, fields, capacity, count);
+    }
     for (*count = 1;; (*count)++) {
         struct io_field field;
         enum io_split split = IO_SPLIT_OK;

@@ -36,6 +36,12 @@ static int is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
+/* D and Q are how Fortran writes double and quadruple precision. */
+static int is_exponent(char c)
+{
+    return c && strchr("eEdDqQ", c);
+}
+
 static const char *scan_digits(const char *at, const char *end, int fraction, struct scan *scan)
 {
     for (; at < end && is_digit(*at); at++) {
@@ -93,7 +99,7 @@ static const char *scan_number(const char *text, const char *end, struct scan *s
     if (digits == 0) {
         return text;
     }
-    return at < end && (*at == 'e' || *at == 'E') ? scan_exponent(at, end, scan) : at;
+    return at < end && is_exponent(*at) ? scan_exponent(at, end, scan) : at;
 }
 
 int brdffit_io_is_number(const char *text, size_t length)
@@ -173,6 +179,7 @@ static int convert_any(const char *text, size_t length, locale_t c_locale, doubl
     }
     memcpy(copy, text, length);
     copy[length] = '\0';
+    copy[strcspn(copy, "dDqQ")] = copy[strcspn(copy, "dDqQ")] ? 'e' : '\0'; /* the grammar allows one */
     before = uselocale(c_locale);
     *value = strtod(copy, NULL);
     (void)uselocale(before);

@@ -21,7 +21,7 @@ enum io_number {
 };
 
 /*
- * The value of text[0 .. length): [+-] digits [. digits] [e|E [+-] digits], with a digit before or after the
+ * The value of text[0 .. length): [+-] digits [. digits] [e|E|d|D|q|Q [+-] digits], with a digit before or after the
  * point, and nothing else: blanks are the caller's to strip. Numbers too small for a double round to 0 or a
  * subnormal. *value is 0 unless said otherwise above. `c_locale` points to a locale_t with the numeric rules
  * of "C" (const void *, so that this header needs no POSIX).

@@ -47,6 +47,50 @@ static brdffit_status size_wrong(brdffit_error *error, const char *message, doub
     return brdffit_io_fail_value(error, BRDFFIT_ERR_FORMAT, message, value);
 }
 
+/* Entries looked at for the order of their bytes. */
+#define ORDER_PROBES ((size_t)64)
+
+/* Of a reflectance, or of the -1 that marks a cell without one: an exponent between those of 2^-100 and 2^100. */
+static int is_ordinary(uint64_t bits)
+{
+    const unsigned exponent = (unsigned)(bits >> 52 & 0x7ff);
+
+    return exponent > 1023 - 100 && exponent < 1023 + 100;
+}
+
+static uint64_t reversed(uint64_t bits)
+{
+    uint64_t out = 0;
+    int i;
+
+    for (i = 0; i < 8; i++, bits >>= 8) {
+        out = out << 8 | (bits & 0xff);
+    }
+    return out;
+}
+
+/* Of the entries looked at few make sense as they stand (one in ten of any bytes does), and every one does the other way
+ * round; zeros say nothing. */
+static int is_big_endian(const struct merl *merl)
+{
+    const size_t total = MERL_CHANNELS * merl->cells, step = total / ORDER_PROBES + 1;
+    size_t i, looked = 0, ordinary = 0;
+
+    for (i = 0; i < total; i += step) {
+        const uint64_t bits = brdffit_io_merl_bits(merl->plane + 8 * i);
+
+        if (bits == 0) {
+            continue;
+        }
+        if (!is_ordinary(reversed(bits))) {
+            return 0;
+        }
+        ordinary += (size_t)is_ordinary(bits);
+        looked++;
+    }
+    return looked >= 8 && 3 * ordinary < looked;
+}
+
 brdffit_status brdffit_io_merl_open(const unsigned char *data, size_t size, struct merl *merl, brdffit_error *error)
 {
     int32_t dims[3];
@@ -77,6 +121,11 @@ brdffit_status brdffit_io_merl_open(const unsigned char *data, size_t size, stru
     }
     merl->cells = merl->dims[0] * merl->dims[1] * merl->dims[2];
     merl->plane = data + MERL_HEADER;
+    if (is_big_endian(merl)) {
+        return brdffit_io_fail(
+            error, BRDFFIT_ERR_FORMAT,
+            "the doubles of the table are big-endian, and MERL's are little-endian: turn their bytes round");
+    }
     return BRDFFIT_OK;
 }
 

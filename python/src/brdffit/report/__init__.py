@@ -35,7 +35,7 @@ __all__ = ["Material", "main", "measure", "page"]
 CERTIFIED, FAILURE, USAGE, DATA, OPEN = 0, 1, 2, 3, 4
 
 
-def page(samples: Samples, name: str, *, lobes: int | Sequence[str] = 2, index: str | None = None,
+def page(samples: Samples, name: str, *, lobes: int | Sequence[str] = 1, index: str | None = None,
          models: Sequence[str | Sequence[str]] | None = None, **options: Any) -> str:
     """One material's page as HTML that needs no other file. models: forms to compare on it as well, as of `brdffit.compare`."""
     return material_page(measure(name, samples, options, lobes, models), index)
@@ -50,7 +50,7 @@ def _parser() -> argparse.ArgumentParser:
         "read or written, 2 wrong usage, 3 data that cannot be used.")
     p.add_argument("files", nargs="+", metavar="FILE", help="CSV, TSV or MERL .binary, also .gz; RGL .bsdf; HDF5; zarr")
     p.add_argument("-o", "--output", default="brdffit-report", metavar="DIR", help="where the pages go (%(default)s)")
-    p.add_argument("--lobes", type=_lobes_of, default=2, metavar="1|2|3|NAME,...",
+    p.add_argument("--lobes", type=_lobes_of, default=1, metavar="1|2|3|NAME,...",
                    help="the fit that is shown in detail: how many of --distribution, or what each is (%(default)s)")
     p.add_argument("--distribution", choices=tuple(_lobes.distributions()), default=defaults.distribution)
     for kind, default in _terms.DEFAULTS.items():
