@@ -88,6 +88,34 @@ static int judge(const brdffit_plan *plan, const struct batch_outcome *out, doub
     return verdict.certified;
 }
 
+/* Column j's coefficient of channel k in the data's units, as far as a double holds it. */
+static double coefficient(const struct batch_fast *f, const struct batch_tile *tile, size_t lane, size_t k, int j,
+                          struct wide factor)
+{
+    double y = tile->y[(k * (size_t)f->each + (size_t)j) * LANES + lane] * tile->scale[k * LANES + lane];
+
+    return wide_value(wide_over(wide_of(y / f->column[j].scale_b), factor));
+}
+
+/* y and F0 of a channel; 0 where they are no ordinary numbers. */
+static int keep_lobe(const struct batch_fast *f, const struct batch_tile *tile, size_t lane, size_t k,
+                     const struct wide factor[EACH_MOST], struct batch_result *r)
+{
+    double z[EACH_MOST] = {0.0, 0.0};
+    int j, ordinary = 1;
+
+    for (j = 0; j < f->each; j++) {
+        z[j] = coefficient(f, tile, lane, k, j, factor[j]);
+        ordinary = ordinary &&
+                   (isnormal(z[j]) || tile->y[(k * (size_t)f->each + (size_t)j) * LANES + lane] == 0.0);
+    }
+    r->y[k] = z[0] + z[1];
+    if (r->f0) {
+        r->f0[k] = r->y[k] > 0.0 ? fmin(1.0, z[0] / r->y[k]) : 0.0;
+    }
+    return ordinary && isfinite(r->y[k]);
+}
+
 /*
  * A certified lane to a result; 0 where a fit's own rules (domain.c, published.c) decide which coefficients there are: near
  * the end of finite ones, and where one is no ordinary number.
@@ -97,24 +125,27 @@ static int keep(const brdffit_plan *plan, const struct batch_tile *tile, size_t 
     const struct batch_fast *f = &plan->fast;
     const struct batch_outcome *out = &tile->outcome[lane];
     int none = plan->options.normalise == BRDFFIT_NORMALISE_NONE;
-    struct wide factor;
+    struct wide factor[EACH_MOST];
     double unit = unit_of(plan, tile, lane);
     size_t k;
-    int finite = f->kind->exponent(f->c_min, out->s) <= LIMIT_PLAIN_EXPONENT && judge(plan, out, unit, r);
+    int j, last = f->each - 1;
+    int finite = f->kind->exponent(f->column[last].sight.c_min, out->s) <= LIMIT_PLAIN_EXPONENT &&
+                 judge(plan, out, unit, r);
 
     r->where = BRDFFIT_NONE;
     r->boxes = out->boxes;
     r->nodes = out->nodes;
     r->general = r->one_lobe_enough = 0;
     r->sigma[0] = sigma_of(plan, out->s);
-    factor = brdffit_lobe_factor(f->kind, twofold_inverse_square(r->sigma[0]), f->c_min);
+    for (j = 0; j < f->each; j++) {
+        factor[j] = brdffit_lobe_divisor(f->kind, twofold_inverse_square(r->sigma[0]), &f->column[j].sight);
+    }
     for (k = 0; k < f->channels && finite; k++) {
         double scale = tile->scale[k * LANES + lane];
 
         r->x[k] = f->root_a > 0.0 ? tile->x[k * LANES + lane] / f->root_a * scale / f->scale_a : 0.0;
-        r->y[k] = wide_value(wide_over(wide_of(tile->y[k * LANES + lane] * scale / f->scale_b), factor));
         r->channel_scale[k] = none ? 1.0 : scale;
-        finite = (isnormal(r->x[k]) || r->x[k] == 0.0) && (isnormal(r->y[k]) || tile->y[k * LANES + lane] == 0.0);
+        finite = (isnormal(r->x[k]) || r->x[k] == 0.0) && keep_lobe(f, tile, lane, k, factor, r);
     }
     return finite;
 }
@@ -135,6 +166,9 @@ static void keep_nothing(const brdffit_plan *plan, struct batch_result *r)
     for (k = 0; k < plan->fast.channels; k++) {
         r->x[k] = r->y[k] = 0.0;
         r->channel_scale[k] = 1.0;
+        if (r->f0) {
+            r->f0[k] = 0.0;
+        }
     }
 }
 
