@@ -225,7 +225,10 @@ static void shapes_at(const struct batch_fast *f, struct batch_tile *tile, const
 {
     size_t M = f->distinct, m, l, j;
 
-    for (j = 0; j < (size_t)f->each; j++) {
+    if (f->alike) {
+        tile->phi[1] = tile->phi[0];
+    }
+    for (j = 0; j < (f->alike ? 1 : (size_t)f->each); j++) {
         for (l = 0; l < LANES; l++) {
             brdffit_batch_shape(f, (int)j, s[l], tile->one);
             for (m = 0; m < M; m++) {

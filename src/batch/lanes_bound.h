@@ -175,8 +175,7 @@ LANES_INLINE void add_channel(const struct bound_texel *b, const struct at_piece
         s->a1 += 2.0 * v1 * z.y[j];
         s->a2 += 2.0 * v2 * z.y[j];
         s->a3 += 2.0 * z.y[j] * e;
-        s->size += 2.0 * z.y[j] * (vec_abs(v0) + vec_abs(v1) * at->h + vec_abs(v2) * at->h2 + model) +
-                   vec_abs(v0 * v0);
+        s->size += 2.0 * z.y[j] * (vec_abs(v0) + vec_abs(v1) * at->h + vec_abs(v2) * at->h2 + model) + vec_abs(v0 * v0);
         for (i = 0; i <= j; i++) {
             s->yy[BATCH_PAIR(i, j)] += (i < j ? 2.0 : 1.0) * (z.y[i] * z.y[j]);
         }

@@ -23,6 +23,11 @@
 #include "base/tolerance.h"
 
 #define PIECES 32
+/* Where D changes faster, is known worse, or is further below its chord, products of different columns are lowered more: two
+ * columns become parallel there. */
+#define FAST 4.0
+#define SHARE 1e-2
+#define SHRUNK 0.5
 
 typedef double matrix[EACH_MOST][EACH_MOST];
 
@@ -277,27 +282,44 @@ static void start(struct looking *l)
     gram(w, l->n, 1.0, l->high, slope);
 }
 
-void brdffit_batch_screen(const struct batch_fast *f, struct batch_window *window, size_t w)
+/* Rate, excess, delta and shrink with D as it is. */
+static void look(struct looking *l, struct batch_window *window, size_t w)
 {
-    struct looking l = {.fast = f, .window = window, .n = f->each};
     double above = 0.0, excess = 0.0;
     matrix low, high, white, d, slope;
     int i;
 
-    start(&l);
+    start(l);
     window->rate = 0.0;
     for (i = 0; i < PIECES; i++) {
         double t = -1.0 + (2.0 * i + 1.0) / PIECES;
 
-        look_at_piece(&l, t, 1.0 / PIECES, &window->rate, &above);
-        gram(window, l.n, t, d, slope);
-        excess = whitener(d, l.n, white) ? fmax(excess, 8.0 * squares(white, l.n) * l.off) : INFINITY;
+        look_at_piece(l, t, 1.0 / PIECES, &window->rate, &above);
+        gram(window, l->n, t, d, slope);
+        excess = whitener(d, l->n, white) ? fmax(excess, 8.0 * squares(white, l->n) * l->off) : INFINITY;
     }
     /* exp(1) of what D is at the middle of a piece, and its inverse, are within a factor of 8. */
     window->excess = window->rate <= PIECES ? excess + TOL_CURVATURE : INFINITY;
     window->shrink = window->delta = -1.0;
-    if (isfinite(above) && whitener(l.low, l.n, low) && whitener(l.high, l.n, high)) {
-        window->delta = find_delta(&l, w, low, high);
+    if (isfinite(above) && whitener(l->low, l->n, low) && whitener(l->high, l->n, high)) {
+        window->delta = find_delta(l, w, low, high);
         window->shrink = 1.0 / sqrt(1.0 + fmax(above, 0.0)) - TOL_CURVATURE;
+    }
+}
+
+void brdffit_batch_screen(const struct batch_fast *f, struct batch_window *window, size_t w)
+{
+    static const double apart[] = {BATCH_APART, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1};
+    struct looking l = {.fast = f, .window = window, .n = f->each};
+    double cosine = window->d[BATCH_PAIR(0, 1)][0];
+    size_t i;
+
+    for (i = 0; i < sizeof apart / sizeof apart[0]; i++) {
+        window->apart = f->each > 1 ? apart[i] : 0.0;
+        window->d[BATCH_PAIR(0, 1)][0] = cosine - window->apart;
+        look(&l, window, w);
+        if (f->each == 1 || (window->rate <= FAST && window->excess <= SHARE && window->shrink > SHRUNK)) {
+            return;
+        }
     }
 }

@@ -106,8 +106,7 @@ static int keep_lobe(const struct batch_fast *f, const struct batch_tile *tile, 
 
     for (j = 0; j < f->each; j++) {
         z[j] = coefficient(f, tile, lane, k, j, factor[j]);
-        ordinary = ordinary &&
-                   (isnormal(z[j]) || tile->y[(k * (size_t)f->each + (size_t)j) * LANES + lane] == 0.0);
+        ordinary = ordinary && (isnormal(z[j]) || tile->y[(k * (size_t)f->each + (size_t)j) * LANES + lane] == 0.0);
     }
     r->y[k] = z[0] + z[1];
     if (r->f0) {

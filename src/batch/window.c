@@ -290,8 +290,7 @@ static void fill_u(const struct making *m, int j)
     for (more = 0; more < 2; more++) {
         size_t terms = more ? BATCH_TERMS_MORE : BATCH_TERMS;
 
-        m->window->u_error[j][more] += cut_off(chebyshev, terms, m->window->u[j][more]) +
-                                       m->ellipse.miss * m->bound[j];
+        m->window->u_error[j][more] += cut_off(chebyshev, terms, m->window->u[j][more]) + m->ellipse.miss * m->bound[j];
         m->window->u_third[j][more] = third(m->window->u[j][more], terms);
     }
 }
@@ -336,9 +335,6 @@ static void fill_d(const struct making *m, int i, int j, const struct size size[
                           TOL_UNIT * ROUNDING * magnitude(window->d[at], BATCH_TERMS_D) +
                           size[i].norm * size[j].norm * fmax(size[i].rounding, size[j].rounding);
     window->d_third[at] = third(window->d[at], BATCH_TERMS_D);
-    if (i != j) {
-        window->d[at][0] -= BATCH_APART; /* for coefficients >= 0 lower is safe, and D is definite by that much */
-    }
 }
 
 int brdffit_batch_window(struct batch_fast *f, size_t w)
