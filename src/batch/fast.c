@@ -31,7 +31,7 @@ int brdffit_batch_fast_possible(const brdffit_options *o)
 
     brdffit_model_make(&model, o);
     return o->norm == BRDFFIT_NORM_L2 && o->engine == BRDFFIT_ENGINE_MOMENT && model.axes == 1 && model.fixed == 1 &&
-           !o->physical && o->sigma_resolution == 0.0 && o->box_budget >= 1000;
+           !model.turned && !o->physical && o->sigma_resolution == 0.0 && o->box_budget >= 1000;
 }
 
 static size_t least(size_t a, size_t b)
