@@ -58,7 +58,7 @@ void brdffit_batch_layout(struct batch *batch, struct arena *arena, const brdffi
         layout_terms(&batch->result[i], arena, options, channels);
     }
     if (brdffit_batch_fast_possible(options)) {
-        brdffit_batch_tile_layout(&batch->tile, arena, samples, channels);
+        brdffit_batch_tile_layout(&batch->tile, arena, samples, channels, options);
     }
     batch->fit_size = brdffit_fit_workspace(samples, channels, options);
     batch->fit = brdffit_arena_take(arena, batch->fit_size, 1);

@@ -21,8 +21,8 @@
 
 struct tile_state {
     struct ascent ascent;
-    double s[BATCH_TILE], e2[BATCH_TILE];      /* of the last evaluation */
-    double best[BATCH_TILE], best_s[BATCH_TILE]; /* incumbents */
+    double theta[BATCH_TILE], s[BATCH_TILE], e2[BATCH_TILE];             /* of the last evaluation */
+    double best[BATCH_TILE], best_theta[BATCH_TILE], best_s[BATCH_TILE]; /* incumbents */
     double total[BATCH_TILE], rest[BATCH_TILE];  /* sum |I|^2, and less sum omega^2 */
     double error[BATCH_TILE];                   /* of the incumbent when it is published */
     double level[BATCH_TILE], gamma[BATCH_TILE]; /* what is to be proven: E^2 >= level, no gain above gamma */
@@ -76,7 +76,11 @@ static void ascend_tile(const struct batch_fast *f, struct batch_tile *tile, str
             }
         }
         for (part = 0; part < LANES; part += VEC) {
-            ascend_part(f, tile, c, active, part);
+            if (f->each > 1) {
+                ascend_part(f, tile, c, active, part, 2);
+            } else {
+                ascend_part(f, tile, c, active, part, 1);
+            }
         }
         for (l = 0, any = 0; l < LANES; l++) {
             int up = active[l] > 0.0 && c->t[l] >= 1.0 && c->slope[l] > 0.0 && c->window[l] + 1 < f->windows;
@@ -94,7 +98,8 @@ static void ascend_tile(const struct batch_fast *f, struct batch_tile *tile, str
         const struct batch_window *w = &f->window[c->window[l]];
 
         if (st->pending[l]) {
-            st->s[l] = w->center + w->radius * c->t[l];
+            st->s[l] = kernel_exp(w->center + w->radius * c->t[l]);
+            st->theta[l] = w->center + w->radius * c->t[l];
         }
     }
 }
@@ -143,20 +148,30 @@ static double third_of(const double *c, size_t terms)
     return sum * (1.0 + TOL_CURVATURE);
 }
 
-/* How far a gain from the polynomials of window w may be from the truth, relative to the data's sum of squares. */
+/*
+ * How far a gain from the polynomials of window w may be from the truth, relative to the data's sum of squares: an estimate,
+ * by which polynomials are chosen and the ascent starts again.
+ */
 static double gain_error(const struct batch_fast *f, size_t w, int more)
 {
     const struct batch_window *window = &f->window[w];
-    double inverse = fmax(f->inverse_d[w], f->inverse_d[w + 1]);
+    double error = f->slack;
+    int i, j;
 
-    return f->slack + 2.0 * (window->n_error[more] + window->u_error[more]) * sqrt(inverse) + window->d_error * inverse;
+    for (j = 0; j < f->each; j++) {
+        error += 2.0 * (window->n_error[j][more] + window->u_error[j][more]);
+        for (i = 0; i <= j; i++) {
+            error += window->d_error[BATCH_PAIR(i, j)];
+        }
+    }
+    return error;
 }
 
 /* Bound every window that is left of one texel: 1 proven, 0 not; -1: a better point is where the ascent now starts. */
 static int prove(const struct batch_fast *f, struct batch_tile *tile, struct tile_state *st, size_t lane)
 {
-    size_t K = f->channels, k, w, calls = 0;
-    double *omega = tile->work + K * BATCH_STRIDE_MORE, *norm = omega + K, *third = norm + K;
+    size_t K = f->channels, C = (size_t)f->each, k, w, calls = 0;
+    double *omega = tile->work + K * C * BATCH_STRIDE_MORE, *norm = omega + K, *third = norm + K;
     double incumbent = st->rest[lane] - st->best[lane], noise;
     struct bound_texel b = {f, NULL, 0, tile->work, omega, norm, third, st->gamma[lane], f->slack, 0.0, 0.0};
     uint64_t left = st->left[lane];
@@ -173,13 +188,13 @@ static int prove(const struct batch_fast *f, struct batch_tile *tile, struct til
         b.window = &f->window[w];
         b.more = gain_error(f, w, 0) * st->total[lane] > COARSE * (st->best[lane] - st->level[lane]);
         window_data(f, tile, w, b.more, lane, tile->work);
-        for (k = 0; k < K; k++) {
+        for (k = 0; k < K * C; k++) {
             third[k] = b.more ? third_of(tile->work + k * BATCH_STRIDE_MORE, BATCH_TERMS_MORE)
                               : third_of(tile->work + k * BATCH_TERMS, BATCH_TERMS);
         }
         noise = incumbent + 2e-7 * fmax(st->best[lane], 0.0) + gain_error(f, w, b.more) * st->total[lane];
         b.best = noise;
-        proven = bound_window(&b, (st->best_s[lane] - b.window->center) / b.window->radius, &calls);
+        proven = bound_window(&b, (st->best_theta[lane] - b.window->center) / b.window->radius, &calls);
         if (b.best > noise) {
             st->ascent.window[lane] = w;
             st->ascent.t[lane] = b.best_t;
@@ -191,6 +206,28 @@ static int prove(const struct batch_fast *f, struct batch_tile *tile, struct til
     return proven;
 }
 
+/* What an error of s does to a shape, at most; in the second column what is taken off all of it counts, too. */
+static double steepest(const struct batch_fast *f, double s)
+{
+    double most = 0.0;
+    int j;
+
+    if (!f->steep) {
+        return 2.0 + (f->kind->smith ? TOL_MASKING : 0.0);
+    }
+    for (j = 0; j < f->each; j++) {
+        const double *c = f->column[j].sight.c;
+        double off = j > 0 ? f->column[j].sight.c_min - f->column[0].sight.c_min : 0.0, largest = 0.0;
+        size_t m;
+
+        for (m = 0; m < f->distinct; m++) {
+            largest = fmax(largest, c[m]);
+        }
+        most = fmax(most, fmin(largest * s, 745.0) + (off > 0.0 ? 2.0 * f->column[j].sight.c_min * s : 0.0));
+    }
+    return most + (f->kind->smith ? TOL_MASKING : 0.0);
+}
+
 /*
  * How far the objective of an incumbent at s may be from that of the model in the doubles that are published: residuals
  * within TOL_PUBLISHED units, here and there, and shapes as in published.c, of which those with an exponent beyond 745
@@ -198,29 +235,41 @@ static int prove(const struct batch_fast *f, struct batch_tile *tile, struct til
  */
 static double published_error(const struct batch_fast *f, double s, double e2, double total)
 {
-    double steep = fmin(f->c[f->distinct - 1] * s, 745.0);
-    double unit = TOL_UNIT * (6.0 * TOL_PUBLISHED + TOL_PUBLISHED_EXPONENT * steep);
+    double unit = TOL_UNIT * (6.0 * TOL_PUBLISHED + TOL_PUBLISHED_EXPONENT * steepest(f, s));
 
     return 2.0 * unit * sqrt(e2) * sqrt(total) + unit * unit * total +
            2.0 * TOL_UNIT * (double)(f->used + f->channels) * e2;
 }
 
-/* What is to be proven of each texel: its incumbent to the gap that is easier. */
+/* An incumbent: its objective, the data's sum of squares, that less sum omega^2, the doubt, and its s (the sharpest). */
+struct goal {
+    double best, total, rest, doubt, s;
+};
+
+/* What is to be proven of a texel: its incumbent to the gap that is easier. */
+static void set_level(const struct batch_fast *f, const struct batch_rules *rules, const struct goal *goal,
+                      double *error, double *level, double *gamma)
+{
+    double most, relative, absolute, doubt = goal->doubt * sqrt(goal->total) * (1.0 + 8.0 * TOL_UNIT), root;
+
+    *error = goal->best < INFINITY ? published_error(f, goal->s, goal->best, goal->total) : 0.0;
+    most = goal->best + *error;
+    relative = most / (1.0 + rules->relative_gap) * (1.0 + 16.0 * TOL_UNIT);
+    absolute = most * (1.0 + 16.0 * TOL_UNIT) - rules->absolute_gap * goal->total * (1.0 - 16.0 * TOL_UNIT);
+    *level = fmin(relative, absolute);
+    /* E^2 >= level holds for the true geometry when this one's is above the square of its root and the doubt. */
+    root = sqrt(fmax(*level, 0.0));
+    *gamma = goal->rest - (*level + doubt * (2.0 * root + doubt)) - f->slack * goal->total;
+}
+
 static void set_levels(const struct batch_fast *f, const struct batch_rules *rules, struct tile_state *st)
 {
     size_t l;
 
     for (l = 0; l < LANES; l++) {
-        double most, relative, absolute, doubt = f->doubt * sqrt(st->total[l]) * (1.0 + 8.0 * TOL_UNIT), root;
+        struct goal goal = {st->best[l], st->total[l], st->rest[l], f->doubt, st->best_s[l]};
 
-        st->error[l] = st->best[l] < INFINITY ? published_error(f, st->best_s[l], st->best[l], st->total[l]) : 0.0;
-        most = st->best[l] + st->error[l];
-        relative = most / (1.0 + rules->relative_gap) * (1.0 + 16.0 * TOL_UNIT);
-        absolute = most * (1.0 + 16.0 * TOL_UNIT) - rules->absolute_gap * st->total[l] * (1.0 - 16.0 * TOL_UNIT);
-        st->level[l] = fmin(relative, absolute);
-        /* E^2 >= level holds for the true geometry when this one's is above the square of its root and the doubt. */
-        root = sqrt(fmax(st->level[l], 0.0));
-        st->gamma[l] = st->rest[l] - (st->level[l] + doubt * (2.0 * root + doubt)) - f->slack * st->total[l];
+        set_level(f, rules, &goal, &st->error[l], &st->level[l], &st->gamma[l]);
     }
 }
 
@@ -253,25 +302,35 @@ static void certify(const struct batch_fast *f, struct batch_tile *tile, struct 
     out->total = st->total[lane];
 }
 
+/* |I|^2 less sum omega^2; *total: |I|^2. */
+static double rest_of(const struct batch_fast *f, const struct batch_tile *tile, size_t lane, double *total)
+{
+    double rest = 0.0;
+    size_t k;
+
+    for (k = 0, *total = 0.0; k < f->channels; k++) {
+        double omega = tile->omega[k * LANES + lane];
+
+        *total += tile->ii[k * LANES + lane];
+        rest += tile->ii[k * LANES + lane] - omega * omega;
+    }
+    return rest;
+}
+
 static void start_tile(const struct batch_fast *f, struct batch_tile *tile, struct tile_state *st,
                        const unsigned char *live)
 {
-    size_t l, k;
+    size_t l;
 
     for (l = 0; l < LANES; l++) {
         st->pending[l] = live[l];
         st->best[l] = INFINITY;
-        st->s[l] = f->window[0].center;
-        st->total[l] = st->rest[l] = 0.0;
+        st->theta[l] = f->window[0].center;
+        st->s[l] = f->s_low;
+        st->rest[l] = rest_of(f, tile, l, &st->total[l]);
         tile->outcome[l].certified = 0;
         tile->outcome[l].boxes = 0;
         tile->outcome[l].nodes = f->windows + 1;
-        for (k = 0; k < f->channels; k++) {
-            double omega = tile->omega[k * LANES + l];
-
-            st->total[l] += tile->ii[k * LANES + l];
-            st->rest[l] += tile->ii[k * LANES + l] - omega * omega;
-        }
         /* Weights may take the sum of squares where its products leave the number range: the general path scales it. */
         st->pending[l] = st->pending[l] && st->total[l] >= LEAST_TOTAL && st->total[l] <= 1.0 / LEAST_TOTAL;
     }
@@ -301,8 +360,11 @@ static void fit_tile(const struct batch_fast *f, const struct batch_rules *rules
             if (st.pending[l] && st.e2[l] < st.best[l]) {
                 st.best[l] = st.e2[l];
                 st.best_s[l] = st.s[l];
+                st.best_theta[l] = st.theta[l];
                 for (k = 0; k < K; k++) {
                     tile->x[k * LANES + l] = x[k * LANES + l];
+                }
+                for (k = 0; k < K * (size_t)f->each; k++) {
                     tile->y[k * LANES + l] = y[k * LANES + l];
                 }
             }
@@ -318,7 +380,10 @@ static void fit_tile(const struct batch_fast *f, const struct batch_rules *rules
     }
 }
 
+#include "batch/lanes_fit_two.h"
+
 const struct batch_kernels BATCH_KERNELS = {
     load_tile,
     fit_tile,
+    fit_two,
 };

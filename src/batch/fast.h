@@ -1,6 +1,6 @@
 /*
- * One lobe of an exponential family in norm L2, several texels at a time: what the plan holds for it, and what a
- * thread needs. The mathematics is in fast.c. SPDX-License-Identifier: MIT
+ * One lobe in norm L2, several texels at a time: what the plan holds for it, and what a thread needs. The mathematics is
+ * in fast.c. SPDX-License-Identifier: MIT
  */
 #ifndef BRDFFIT_BATCH_FAST_H
 #define BRDFFIT_BATCH_FAST_H
@@ -13,6 +13,11 @@
 #include "base/lanes.h"
 #include "data/reduce.h"
 
+/* Tables grow with these; beyond, the general path is the better one. */
+#define BATCH_MOST_DISTINCT 512u
+#define BATCH_MOST_SAMPLES 8192u
+#define BATCH_MOST_CHANNELS 32u
+#define BATCH_MOST_NODES 64u
 /* Texels of a tile: one a lane. */
 #define BATCH_TILE LANES
 /* Coefficients of a polynomial over a window: one a lane. */
@@ -20,45 +25,86 @@
 /* The same where those are too coarse for the gap; and of D, which bends twice as much. */
 #define BATCH_TERMS_MORE 12
 #define BATCH_TERMS_D 16
+/* Terms of the interpolants that all of these are cut off from. */
+#define BATCH_REFERENCE 24
+/* Cosines of two columns count as lower than they are, by this or more: so D is definite by as much. */
+#define BATCH_APART 1e-8
 /* Distance of two such polynomials of shapes. */
 #define BATCH_STRIDE_MORE 16
+/* Entries of a symmetric matrix by columns of the lobe, and which of them is (i, j), i <= j. */
+#define BATCH_PAIRS (EACH_MOST * (EACH_MOST + 1) / 2)
+#define BATCH_PAIR(i, j) ((j) * ((j) + 1) / 2 + (i))
 
-/* An interval of s, [center - radius, center + radius], and t = (s - center) / radius. */
+/*
+ * An interval of theta = ln s, [center - radius, center + radius], and t = (theta - center) / radius. In it column j is
+ * b_j phi_j times scale[j] exp(tilt[j] t), so that it hardly changes as a whole and its part beside a is about 1 long.
+ */
 struct batch_window {
     double center, radius;
-    double d[BATCH_TERMS_D], u[2][BATCH_TERMS_MORE]; /* polynomials of D and u in t; [1]: with more terms */
-    double d_error, u_error[2], n_error[2]; /* how far they, and those of n_k per |I_k|, may be from the truth */
-    double d_third, u_third[2];             /* |third derivative| / 6 of the polynomials, at most */
-    double delta, shrink;                    /* screening: see window.c; shrink <= 0: it cannot be screened */
+    double scale[EACH_MOST], tilt[EACH_MOST];
+    double d[BATCH_PAIRS][BATCH_TERMS_D];                      /* polynomials of D in t */
+    double u[EACH_MOST][2][BATCH_TERMS_MORE];                  /* of u; [1]: with more terms */
+    double d_error[BATCH_PAIRS], d_third[BATCH_PAIRS]; /* how far D may be from the truth; |third derivative| / 6 */
+    double u_error[EACH_MOST][2], n_error[EACH_MOST][2]; /* of u, and of n_k per |I_k| */
+    double u_third[EACH_MOST][2];
+    double apart; /* how much lower D of different columns is: for coefficients >= 0 that is safe; see screen.c */
+    double rate, excess; /* |d ln (z D z) / dt| at most, for any z; what the error of D does to its inverse, relative */
+    double delta, shrink; /* screening: see screen.c; shrink <= 0: it cannot be screened */
+    double size, n_rest, d_rest, u_rest; /* for pairs: |b phi|; n_k beyond t^3, D and u beyond t^2, at most */
+};
+
+/* Two windows, for two lobes: see pairs.c. */
+struct batch_pair {
+    double d[BATCH_TERMS][BATCH_TERMS]; /* [i][j]: of t1^i t2^j in D_12 */
+    double error, third,
+        rest; /* how far it may be off; beyond second order, per step cubed; from the middle, off and beyond */
+};
+
+/* A column of the lobe: b phi, and with Schlick's Fresnel b w phi. */
+struct batch_column {
+    struct lobe_sight sight; /* arrays in the plan; its c_min is what the column's own smallest c is taken off at */
+    double scale_b;
+    double *b; /* used: weighted and scaled */
+    double *bb, *ab; /* PADDED(M): sum b^2, sum a b / |a| */
+    double *node; /* nodes / LANES x M x LANES: phi / sqrt(D) */
+    double *shape[2]; /* N x M x BATCH_TERMS, or BATCH_STRIDE_MORE: polynomials of phi in the windows */
 };
 
 struct batch_fast {
     size_t used, channels;
-    size_t distinct;        /* M */
-    size_t windows;         /* N, at most 63 */
-    size_t nodes;           /* N + 1, a multiple of LANES */
-    double root_a;          /* |a|; 0 when no sample has a diffuse part */
-    double slack;           /* rounding of the sums, relative to the data's sum of squares */
+    size_t distinct; /* M */
+    size_t windows; /* N, at most 63 */
+    size_t nodes; /* N + 1, a multiple of LANES */
+    int each; /* columns of the lobe */
+    int steep; /* struct lobe_kind */
+    int alike; /* two columns have the same phi wherever both see a lobe */
+    double root_a; /* |a|; 0 when no sample has a diffuse part */
+    double slack; /* rounding of the sums, relative to the data's sum of squares */
     double doubt, doubt_tail; /* of the geometry (data/charge.h): in the range, and from its end on */
-    double s_low;           /* s at the start of the range */
-    double sigma_floor;     /* what is proven is proven down to this roughness */
+    double s_low; /* s at the start of the range */
+    double sigma_floor; /* what is proven is proven down to this roughness */
+    double snapped; /* struct table */
     const struct lobe_kind *kind;
-    double c_min, scale_a, scale_b, scale_w;
-    uint32_t *sample;       /* used: index of the caller's sample, ordered by c */
-    uint32_t *begin;        /* M + 1: places of each distinct c; samples without a lobe come after */
-    double *a, *b, *factor; /* used: weighted and scaled; factor turns a value into weighted radiance */
-    double *radiance;       /* used: turns a value into radiance */
-    double *c, *bb, *ab;    /* PADDED(M): c - c_min, sum b^2, sum a b / |a| */
-    double *phi;            /* nodes / LANES x M x LANES: exp(-c s) */
-    double *inverse_d;      /* nodes: 1 / D */
-    double *shape[2];       /* N x M x BATCH_TERMS, or BATCH_STRIDE_MORE: polynomials of exp(-c s) */
+    const struct kernels *kernels;
+    double scale_a, scale_w;
+    uint32_t *sample; /* used: index of the caller's sample, ordered by c */
+    uint32_t *begin; /* M + 1: places of each distinct c; samples without a lobe come after */
+    double *a, *factor; /* used: weighted and scaled; factor turns a value into weighted radiance */
+    double *radiance; /* used: turns a value into radiance */
+    double *cross; /* PADDED(M): sum of the product of the two columns' b */
+    double *cosine; /* nodes: cosine of the two columns beside a */
+    struct batch_column column[EACH_MOST];
     struct batch_window *window;
+    struct batch_pair *pair; /* N (N + 1) / 2, BATCH_PAIR; NULL unless there are two lobes of one column */
+    double doubt_two, doubt_tail_two; /* of the geometry, two lobes; where one is in the last window or beyond */
+    double *scratch; /* while the plan is made: BATCH_REFERENCE + 2 rows of PADDED(M) */
 };
 
 /* What became of a texel of a tile, in internal units. */
 struct batch_outcome {
-    int certified;      /* 0: nothing below is meant, take the general path */
-    double s, e2, error, lower_bound, total; /* error: how far e2 may be from that of the model that is published */
+    int certified; /* 0: nothing below is meant, take the general path */
+    double s, other, e2, error, lower_bound,
+        total; /* other: s of a second lobe, at most s; error: how far e2 may be from that of the model that is published */
     size_t boxes, nodes;
 };
 
@@ -70,15 +116,20 @@ struct batch_scan {
 
 /* A tile of texels in a thread's workspace; lanes are texels wherever the last index is LANES. */
 struct batch_tile {
-    double *value;      /* used x K x LANES: weighted, scaled radiance */
-    double *sum;        /* K x M x LANES: sums of residual times b; see fast.c */
-    double *gain;       /* nodes x LANES */
-    double *scale;      /* K x LANES: channel scale */
+    double *value; /* used x K x LANES: weighted, scaled radiance */
+    double *sum[EACH_MOST]; /* K x M x LANES: sums of residual times b; see fast.c */
+    double *gain; /* nodes x LANES */
+    double *scale; /* K x LANES: channel scale */
     double *omega, *ii; /* K x LANES */
-    double *x, *y;      /* K x LANES: coefficients of a / |a| and b phi */
-    double *n;          /* K x BATCH_TERMS x LANES: polynomials around each texel's optimum */
-    double *work;       /* K x BATCH_TERMS, and more */
-    double *phi;        /* M x LANES */
+    double *x, *y; /* K x LANES, K x each x LANES: coefficients of a / |a| and b phi */
+    double *n; /* K x each x BATCH_TERMS x LANES: polynomials around each texel's optimum */
+    double *work; /* K x each x BATCH_STRIDE_MORE, and more */
+    double *phi[EACH_MOST]; /* M x LANES */
+    double *one; /* PADDED(M) */
+    double *near; /* two lobes: N x K x 4 x LANES, n_k in the middle of each window, its derivatives over j! */
+    double *upper; /* pairs of windows x LANES: what is gained in them at most */
+    double *data; /* N x K x BATCH_TERMS: n_k of one texel over each window */
+    struct batch_outcome two[BATCH_TILE];
     struct batch_scan scan;
     struct batch_outcome outcome[BATCH_TILE];
 };
@@ -91,8 +142,10 @@ struct batch_rules {
 int brdffit_batch_fast_possible(const brdffit_options *options);
 
 /* Room in the plan. */
-void brdffit_batch_fast_layout(struct batch_fast *fast, struct arena *arena, size_t count);
-void brdffit_batch_tile_layout(struct batch_tile *tile, struct arena *arena, size_t count, size_t channels);
+void brdffit_batch_fast_layout(struct batch_fast *fast, struct arena *arena, size_t count,
+                               const brdffit_options *options);
+void brdffit_batch_tile_layout(struct batch_tile *tile, struct arena *arena, size_t count, size_t channels,
+                               const brdffit_options *options);
 
 /* Room that making the plan needs for a while, and the making; 0 when this geometry has no fast path. */
 void brdffit_batch_fast_scratch(struct reduced *reduced, double **values, struct arena *arena, size_t count,
@@ -100,11 +153,20 @@ void brdffit_batch_fast_scratch(struct reduced *reduced, double **values, struct
 int brdffit_batch_fast_start(struct batch_fast *fast, const brdffit_samples *geometry, const brdffit_options *options,
                              struct reduced *scratch, double *values);
 
-/* D(s) = |b phi - u a / |a||^2 from the samples themselves, so that nothing cancels; and u(s). */
-double brdffit_batch_d(const struct batch_fast *fast, double s, double *u);
+/* phi of column j at s, every c. */
+void brdffit_batch_shape(const struct batch_fast *fast, int j, double s, double *phi);
 
-/* Fill window w, whose center and radius are set and whose ends have these D. snapped: see struct reduced. */
-void brdffit_batch_window(struct batch_fast *fast, size_t w, double d_low, double d_high, double snapped);
+/*
+ * D = (b_i phi_i - u_i a / |a|) . (b_j phi_j - u_j a / |a|) of columns with these shapes, from the samples themselves, so that
+ * nothing cancels; and u.
+ */
+void brdffit_batch_gram(const struct batch_fast *fast, const double *const phi[EACH_MOST], double d[BATCH_PAIRS],
+                        double u[EACH_MOST]);
+
+/* Fill window w, whose center and radius are set: polynomials, and how it is screened. 0: it has no use. */
+int brdffit_batch_window(struct batch_fast *fast, size_t w);
+void brdffit_batch_pairs(struct batch_fast *fast);
+void brdffit_batch_screen(const struct batch_fast *fast, struct batch_window *window, size_t w);
 
 struct batch_kernels {
     /* The used samples of the texels whose values (samples x K) are given, into tile->value. */
@@ -113,6 +175,9 @@ struct batch_kernels {
     /* Fit the texels whose weighted values, scales and `live` flags are given; outcome, x and y are the answer. */
     void (*tile)(const struct batch_fast *fast, const struct batch_rules *rules, struct batch_tile *tile,
                  const unsigned char *live);
+    /* The same with two lobes, after that: tile->two, x and y are the answer. */
+    void (*two)(const struct batch_fast *fast, const struct batch_rules *rules, struct batch_tile *tile,
+                const unsigned char *live);
 };
 
 extern const struct batch_kernels brdffit_batch_kernels_base;

@@ -2,15 +2,16 @@
  * The best point of a window, and the exact objective there. Part of batch_body.h; lanes are texels.
  * SPDX-License-Identifier: MIT
  *
- * Only a way to incumbents: the proof is in lanes_bound.h. The gain of channel k is f^2 / g with f = n, g = D
- * where that leaves x >= 0, else f = V = n + omega u, g = H = D + u^2; with y = f / g
+ * Only a way to incumbents: the proof is in lanes_bound.h. The gain of channel k is 2 f.y - y G y with f = n, G = D where that
+ * leaves x >= 0, else f = n + omega u, G = D + u u^T; with y of the restricted problem and rho = f' - G' y
  *
- *     J' = y (2 f' - y g'),    J'' = y' (2 f' - y g') + y (2 f'' - y' g' - y g''),    y' = (f' - y g') / g
+ *     J' = 2 f'.y - y G' y,    J'' = 2 f''.y - y G'' y + 2 rho G^-1 rho, the last over the columns with y > 0
  */
 #ifndef BRDFFIT_BATCH_LANES_ASCEND_H
 #define BRDFFIT_BATCH_LANES_ASCEND_H
 
 #include "batch/fast.h"
+#include "batch/lanes_restricted.h"
 
 /* Newton steps within a window; they converge quadratically. */
 #define ASCENT_STEPS 5
@@ -35,29 +36,31 @@ LANES_INLINE struct taylor taylor_rows(const double *c, int terms, vec t)
     return p;
 }
 
-/* n_k over a window for one texel, each channel's coefficients `stride` apart; with more terms or not. */
+/* n_kj over a window for one texel, the coefficients of each channel and column `stride` apart; with more terms or not. */
 static void window_data(const struct batch_fast *f, const struct batch_tile *tile, size_t w, int more, size_t lane,
                         double *out)
 {
-    size_t M = f->distinct, K = f->channels, stride = more ? BATCH_STRIDE_MORE : BATCH_TERMS, m, k, part;
+    size_t M = f->distinct, stride = more ? BATCH_STRIDE_MORE : BATCH_TERMS, C = (size_t)f->each, m, k, j, part;
 
     for (part = 0; part < stride; part += VEC) {
-        const double *shape = f->shape[more] + w * M * stride + part;
+        for (j = 0; j < C; j++) {
+            const double *shape = f->column[j].shape[more] + w * M * stride + part;
 
-        for (k = 0; k < K; k++) {
-            const double *sum = tile->sum + k * M * LANES + lane;
-            vec first = vec_set(0.0), second = first, third = first, fourth = first;
+            for (k = 0; k < f->channels; k++) {
+                const double *sum = tile->sum[j] + k * M * LANES + lane;
+                vec first = vec_set(0.0), second = first, third = first, fourth = first;
 
-            for (m = 0; m + 4 <= M; m += 4) {
-                first += vec_load(shape + m * stride) * sum[m * LANES];
-                second += vec_load(shape + (m + 1) * stride) * sum[(m + 1) * LANES];
-                third += vec_load(shape + (m + 2) * stride) * sum[(m + 2) * LANES];
-                fourth += vec_load(shape + (m + 3) * stride) * sum[(m + 3) * LANES];
+                for (m = 0; m + 4 <= M; m += 4) {
+                    first += vec_load(shape + m * stride) * sum[m * LANES];
+                    second += vec_load(shape + (m + 1) * stride) * sum[(m + 1) * LANES];
+                    third += vec_load(shape + (m + 2) * stride) * sum[(m + 2) * LANES];
+                    fourth += vec_load(shape + (m + 3) * stride) * sum[(m + 3) * LANES];
+                }
+                for (; m < M; m++) {
+                    first += vec_load(shape + m * stride) * sum[m * LANES];
+                }
+                vec_store(out + (k * C + j) * stride + part, (first + second) + (third + fourth));
             }
-            for (; m < M; m++) {
-                first += vec_load(shape + m * stride) * sum[m * LANES];
-            }
-            vec_store(out + k * stride + part, (first + second) + (third + fourth));
         }
     }
 }
@@ -66,64 +69,138 @@ static void window_data(const struct batch_fast *f, const struct batch_tile *til
 struct ascent {
     size_t window[BATCH_TILE];
     double t[BATCH_TILE], slope[BATCH_TILE];
-    double d[BATCH_TERMS_D * LANES], u[BATCH_TERMS * LANES];
+    double d[BATCH_PAIRS][BATCH_TERMS_D * LANES], u[EACH_MOST][BATCH_TERMS * LANES];
 };
 
 static void enter_window(const struct batch_fast *f, struct batch_tile *tile, struct ascent *c, size_t lane)
 {
     const struct batch_window *w = &f->window[c->window[lane]];
-    size_t j, k;
+    size_t q, i, C = (size_t)f->each;
 
     window_data(f, tile, c->window[lane], 0, lane, tile->work);
-    for (j = 0; j < BATCH_TERMS_D; j++) {
-        c->d[j * LANES + lane] = w->d[j];
+    for (i = 0; i < C * (C + 1) / 2; i++) {
+        for (q = 0; q < BATCH_TERMS_D; q++) {
+            c->d[i][q * LANES + lane] = w->d[i][q];
+        }
     }
-    for (j = 0; j < BATCH_TERMS; j++) {
-        c->u[j * LANES + lane] = w->u[0][j];
-        for (k = 0; k < f->channels; k++) {
-            tile->n[(k * BATCH_TERMS + j) * LANES + lane] = tile->work[k * BATCH_TERMS + j];
+    for (q = 0; q < BATCH_TERMS; q++) {
+        for (i = 0; i < C; i++) {
+            c->u[i][q * LANES + lane] = w->u[i][0][q];
+        }
+        for (i = 0; i < f->channels * C; i++) {
+            tile->n[(i * BATCH_TERMS + q) * LANES + lane] = tile->work[i * BATCH_TERMS + q];
         }
     }
 }
 
+/* Taylor series of f and G where x = 0, from those where it is free. */
+LANES_INLINE void hold_x(struct taylor *n, struct taylor *d, const struct taylor *u, vec omega, vec_mask free, int each)
+{
+    vec zero = vec_set(0.0), part = vec_select(free, zero, omega), one = vec_select(free, zero, vec_set(1.0));
+    int i, j;
+
+    for (j = 0; j < each; j++) {
+        n[j].f0 += part * u[j].f0;
+        n[j].f1 += part * u[j].f1;
+        n[j].f2 += part * u[j].f2;
+        for (i = 0; i <= j; i++) {
+            struct taylor *g = &d[BATCH_PAIR(i, j)];
+
+            g->f0 += one * (u[i].f0 * u[j].f0);
+            g->f1 += one * (u[i].f0 * u[j].f1 + u[i].f1 * u[j].f0);
+            g->f2 += one * (u[i].f0 * u[j].f2 + u[i].f1 * u[j].f1 + u[i].f2 * u[j].f0);
+        }
+    }
+}
+
+/* rho G^-1 rho over the columns with y > 0. */
+LANES_INLINE vec supported_rest(const struct taylor *d, const vec *rho, const vec *y, int each)
+{
+    vec zero = vec_set(0.0), one = rho[0] * rho[0] / d[0].f0, two, both;
+    vec_mask first = y[0] > zero, second;
+
+    if (each == 1) {
+        return vec_select(first, one, zero);
+    }
+    second = y[1] > zero;
+    two = rho[1] * rho[1] / d[2].f0;
+    both = (rho[0] * rho[0] * d[2].f0 + rho[1] * rho[1] * d[0].f0 - 2.0 * (rho[0] * rho[1]) * d[1].f0) /
+           (d[0].f0 * d[2].f0 - d[1].f0 * d[1].f0);
+    return vec_select(first & second, both, vec_select(first, one, vec_select(second, two, zero)));
+}
+
+/* Gain beyond sum omega^2 of a channel, its slope and curvature by t, added to out. */
+LANES_INLINE void add_gain(const struct taylor *d_free, const struct taylor *u, struct taylor *n, vec omega, int each,
+                           vec out[3])
+{
+    struct taylor d[BATCH_PAIRS];
+    struct quadratic d0;
+    struct solved z;
+    vec n0[EACH_MOST], u0[EACH_MOST], rho[EACH_MOST];
+    int i, j;
+
+    for (i = 0; i < each * (each + 1) / 2; i++) {
+        d[i] = d_free[i];
+        d0.d[i] = d[i].f0;
+    }
+    for (j = 0; j < each; j++) {
+        n0[j] = n[j].f0;
+        u0[j] = u[j].f0;
+    }
+    z = solve_channel(n0, u0, &d0, omega, each);
+    hold_x(n, d, u, omega, z.free, each);
+    out[0] -= vec_select(z.free, vec_set(0.0), omega * omega);
+    for (j = 0; j < each; j++) {
+        rho[j] = n[j].f1;
+        out[0] += 2.0 * n[j].f0 * z.y[j];
+        out[1] += 2.0 * n[j].f1 * z.y[j];
+        out[2] += 4.0 * n[j].f2 * z.y[j];
+        for (i = 0; i < each; i++) {
+            const struct taylor *g = &d[i <= j ? BATCH_PAIR(i, j) : BATCH_PAIR(j, i)];
+            vec yy = z.y[i] * z.y[j];
+
+            rho[j] -= g->f1 * z.y[i];
+            out[0] -= g->f0 * yy;
+            out[1] -= g->f1 * yy;
+            out[2] -= 2.0 * g->f2 * yy;
+        }
+    }
+    out[2] += 2.0 * supported_rest(d, rho, z.y, each);
+}
+
 /* Gain beyond sum omega^2, its slope and curvature by t. */
 LANES_INLINE void gain_at(const struct batch_fast *f, const struct batch_tile *tile, const struct ascent *c,
-                          size_t part, const vec *at, vec out[3])
+                          size_t part, const vec *at, int each, vec out[3])
 {
-    vec t = *at, zero = vec_set(0.0);
-    struct taylor d = taylor_rows(c->d + part, BATCH_TERMS_D, t), u = taylor_rows(c->u + part, BATCH_TERMS, t), h;
+    vec t = *at;
+    struct taylor d[BATCH_PAIRS], u[EACH_MOST], n[EACH_MOST];
     size_t k;
+    int j;
 
-    h.f0 = d.f0 + u.f0 * u.f0;
-    h.f1 = d.f1 + 2.0 * u.f0 * u.f1;
-    h.f2 = d.f2 + u.f1 * u.f1 + 2.0 * u.f0 * u.f2;
-    out[0] = out[1] = out[2] = zero;
+    for (j = 0; j < each * (each + 1) / 2; j++) {
+        d[j] = taylor_rows(c->d[j] + part, BATCH_TERMS_D, t);
+    }
+    for (j = 0; j < each; j++) {
+        u[j] = taylor_rows(c->u[j] + part, BATCH_TERMS, t);
+    }
+    out[0] = out[1] = out[2] = vec_set(0.0);
     for (k = 0; k < f->channels; k++) {
-        struct taylor n = taylor_rows(tile->n + k * BATCH_TERMS * LANES + part, BATCH_TERMS, t);
-        vec omega = vec_load(tile->omega + k * LANES + part);
-        vec_mask free = ~(omega * d.f0 < n.f0 * u.f0); /* x = omega - u n / D */
-        vec f0 = n.f0 + vec_select(free, zero, omega * u.f0), f1 = n.f1 + vec_select(free, zero, omega * u.f1);
-        vec f2 = n.f2 + vec_select(free, zero, omega * u.f2);
-        vec g0 = vec_select(free, d.f0, h.f0), g1 = vec_select(free, d.f1, h.f1);
-        vec g2 = vec_select(free, d.f2, h.f2);
-        vec y = vec_max(f0, zero) / g0, dy = (f1 - y * g1) / g0, rise = 2.0 * f1 - y * g1;
-
-        dy = vec_select((zero < y), dy, zero);
-        out[0] += y * vec_max(f0, zero) - vec_select(free, zero, omega * omega);
-        out[1] += y * rise;
-        out[2] += dy * rise + y * (4.0 * f2 - dy * g1 - 2.0 * y * g2);
+        for (j = 0; j < each; j++) {
+            n[j] = taylor_rows(tile->n + (k * (size_t)each + (size_t)j) * BATCH_TERMS * LANES + part, BATCH_TERMS, t);
+        }
+        add_gain(d, u, n, vec_load(tile->omega + k * LANES + part), each, out);
     }
 }
 
 /* Newton steps of the texels whose flag in `active` is 1, each inside its window. */
 LANES_INLINE void ascend_part(const struct batch_fast *f, const struct batch_tile *tile, struct ascent *c,
-                              const double *active, size_t part)
+                              const double *active, size_t part, int each)
 {
     vec t = vec_load(c->t + part), best = t, one = vec_set(1.0), zero = vec_set(0.0), most, value[3], slope;
     vec_mask moves = vec_load(active + part) > zero;
     int i;
 
-    gain_at(f, tile, c, part, &t, value);
+    gain_at(f, tile, c, part, &t, each, value);
     most = value[0];
     slope = value[1];
     for (i = 0; i < ASCENT_STEPS; i++) {
@@ -133,7 +210,7 @@ LANES_INLINE void ascend_part(const struct batch_fast *f, const struct batch_til
 
         step = vec_max(vec_min(step, vec_set(0.8)), vec_set(-0.8));
         t = vec_max(vec_min(t + step, one), -one);
-        gain_at(f, tile, c, part, &t, value);
+        gain_at(f, tile, c, part, &t, each, value);
         better = value[0] >= most;
         most = vec_select(better, value[0], most);
         best = vec_select(better, t, best);
@@ -143,81 +220,135 @@ LANES_INLINE void ascend_part(const struct batch_fast *f, const struct batch_til
     vec_store(c->slope + part, vec_select(moves, slope, vec_load(c->slope + part)));
 }
 
-/* Shapes at s into tile->phi, and D there: a sum of squares, so that nothing cancels. */
-LANES_INLINE void shapes_at(const struct batch_fast *f, struct batch_tile *tile, const double *at, size_t part, vec *u,
-                            vec *h, vec *d)
+/* Shapes at each texel's s into tile->phi. */
+static void shapes_at(const struct batch_fast *f, struct batch_tile *tile, const double *s)
+{
+    size_t M = f->distinct, m, l, j;
+
+    if (f->alike) {
+        tile->phi[1] = tile->phi[0];
+    }
+    for (j = 0; j < (f->alike ? 1 : (size_t)f->each); j++) {
+        for (l = 0; l < LANES; l++) {
+            brdffit_batch_shape(f, (int)j, s[l], tile->one);
+            for (m = 0; m < M; m++) {
+                tile->phi[j][m * LANES + l] = tile->one[m];
+            }
+        }
+    }
+}
+
+/* u and D of those: a sum of squares, so that nothing cancels. */
+LANES_INLINE void gram_at(const struct batch_fast *f, const struct batch_tile *tile, size_t part, int each, vec *u,
+                          struct quadratic *d)
 {
     double inverse_a = f->root_a > 0.0 ? 1.0 / f->root_a : 0.0;
-    vec s = vec_load(at + part);
+    vec phi[EACH_MOST], rest[EACH_MOST], zero = vec_set(0.0);
     size_t M = f->distinct, m, i;
+    int j;
 
-    *u = *h = *d = vec_set(0.0);
-    for (m = 0; m < M; m++) {
-        vec phi = vec_exp(s * -f->c[m]);
-
-        vec_store(tile->phi + m * LANES + part, phi);
-        *u += phi * f->ab[m];
-        *h += (phi * phi) * f->bb[m];
+    for (j = 0; j < each; j++) {
+        u[j] = zero;
+        for (m = 0; m < M; m++) {
+            u[j] += vec_load(tile->phi[j] + m * LANES + part) * f->column[j].ab[m];
+        }
+    }
+    for (j = 0; j < each * (each + 1) / 2; j++) {
+        d->d[j] = zero;
     }
     for (m = 0; m <= M; m++) {
-        vec phi = m < M ? vec_load(tile->phi + m * LANES + part) : vec_set(0.0);
         size_t end = m < M ? f->begin[m + 1] : f->used;
 
+        for (j = 0; j < each; j++) {
+            phi[j] = m < M ? vec_load(tile->phi[j] + m * LANES + part) : zero;
+        }
         for (i = f->begin[m]; i < end; i++) {
-            vec rest = phi * f->b[i] - *u * (f->a[i] * inverse_a);
-
-            *d += rest * rest;
+            for (j = 0; j < each; j++) {
+                rest[j] = phi[j] * f->column[j].b[i] - u[j] * (f->a[i] * inverse_a);
+            }
+            d->d[0] += rest[0] * rest[0];
+            if (each > 1) {
+                d->d[1] += rest[0] * rest[1];
+                d->d[2] += rest[1] * rest[1];
+            }
         }
     }
 }
 
 /* Squared residuals of channel k with coefficients x of a / |a| and y of b phi. */
 LANES_INLINE vec residual_at(const struct batch_fast *f, const struct batch_tile *tile, size_t k, size_t part, vec x,
-                             vec y)
+                             const vec *y, int each)
 {
     double inverse_a = f->root_a > 0.0 ? 1.0 / f->root_a : 0.0;
     size_t K = f->channels, M = f->distinct, m, i;
-    vec sum = vec_set(0.0);
+    vec sum = vec_set(0.0), lobe[EACH_MOST], zero = sum;
+    int j;
 
     for (m = 0; m <= M; m++) {
-        vec lobe = m < M ? y * vec_load(tile->phi + m * LANES + part) : vec_set(0.0);
         size_t end = m < M ? f->begin[m + 1] : f->used;
 
+        for (j = 0; j < each; j++) {
+            lobe[j] = m < M ? y[j] * vec_load(tile->phi[j] + m * LANES + part) : zero;
+        }
         for (i = f->begin[m]; i < end; i++) {
-            vec rest = vec_load(tile->value + (i * K + k) * LANES + part) - x * (f->a[i] * inverse_a) - lobe * f->b[i];
+            vec rest = vec_load(tile->value + (i * K + k) * LANES + part) - x * (f->a[i] * inverse_a);
 
+            for (j = 0; j < each; j++) {
+                rest -= lobe[j] * f->column[j].b[i];
+            }
             sum += rest * rest;
         }
     }
     return sum;
 }
 
-/* Exact objective at s, from the residuals of every sample, and the coefficients of a / |a| and b phi. */
-static void evaluate(const struct batch_fast *f, struct batch_tile *tile, const double *at, double *x_out,
-                     double *y_out, double *objective)
+/* Exact objective of a part, from the residuals of every sample, and the coefficients of a / |a| and b phi. */
+LANES_INLINE void evaluate_part(const struct batch_fast *f, const struct batch_tile *tile, size_t part, int each,
+                                double *x_out, double *y_out, double *objective)
 {
-    size_t K = f->channels, M = f->distinct, m, k, part;
+    size_t M = f->distinct, m, k;
+    vec zero = vec_set(0.0), e2 = zero, u[EACH_MOST];
+    struct quadratic d;
+    int j;
 
-    for (part = 0; part < LANES; part += VEC) {
-        vec zero = vec_set(0.0), u, h, d, e2 = zero;
+    gram_at(f, tile, part, each, u, &d);
+    for (k = 0; k < f->channels; k++) {
+        vec n[EACH_MOST], omega = vec_load(tile->omega + k * LANES + part), x;
+        struct solved z;
 
-        shapes_at(f, tile, at, part, &u, &h, &d);
-        for (k = 0; k < K; k++) {
-            const double *sum = tile->sum + k * M * LANES + part;
-            vec n = zero, omega = vec_load(tile->omega + k * LANES + part), x, y;
+        for (j = 0; j < each; j++) {
+            const double *sum = tile->sum[j] + k * M * LANES + part;
 
+            n[j] = zero;
             for (m = 0; m < M; m++) {
-                n += vec_load(sum + m * LANES) * vec_load(tile->phi + m * LANES + part);
+                n[j] += vec_load(sum + m * LANES) * vec_load(tile->phi[j] + m * LANES + part);
             }
-            y = vec_max(n / d, zero);
-            x = omega - y * u;
-            y = vec_select(x < zero, vec_max((n + omega * u) / h, zero), y);
-            x = vec_max(x, zero);
-            vec_store(x_out + k * LANES + part, x);
-            vec_store(y_out + k * LANES + part, y);
-            e2 += residual_at(f, tile, k, part, x, y);
         }
-        vec_store(objective + part, e2);
+        z = solve_channel(n, u, &d, omega, each);
+        x = omega - z.y[0] * u[0] - (each > 1 ? z.y[1] * u[1] : zero);
+        x = vec_select(z.free, vec_max(x, zero), zero);
+        vec_store(x_out + k * LANES + part, x);
+        for (j = 0; j < each; j++) {
+            vec_store(y_out + (k * (size_t)each + (size_t)j) * LANES + part, z.y[j]);
+        }
+        e2 += residual_at(f, tile, k, part, x, z.y, each);
+    }
+    vec_store(objective + part, e2);
+}
+
+/* The same of all texels, at s. */
+static void evaluate(const struct batch_fast *f, struct batch_tile *tile, const double *s, double *x, double *y,
+                     double *objective)
+{
+    size_t part;
+
+    shapes_at(f, tile, s);
+    for (part = 0; part < LANES; part += VEC) {
+        if (f->each > 1) {
+            evaluate_part(f, tile, part, 2, x, y, objective);
+        } else {
+            evaluate_part(f, tile, part, 1, x, y, objective);
+        }
     }
 }
 

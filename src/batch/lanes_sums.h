@@ -65,24 +65,30 @@ static void weigh(const struct batch_fast *f, struct batch_tile *tile)
 }
 
 /* |I_k|^2, omega, and the sums of residual times b. */
-LANES_INLINE void sum_channel(const struct batch_fast *f, struct batch_tile *tile, size_t k, size_t part)
+LANES_INLINE void sum_channel(const struct batch_fast *f, struct batch_tile *tile, size_t k, size_t part, int each)
 {
     size_t K = f->channels, M = f->distinct, m, i;
     const double *value = tile->value + k * LANES + part;
-    double *sum = tile->sum + k * M * LANES + part;
+    double *one = tile->sum[0] + k * M * LANES + part, *two = each > 1 ? tile->sum[1] + k * M * LANES + part : one;
     vec ii = vec_set(0.0), ai = vec_set(0.0), omega;
 
     for (m = 0; m < M; m++) {
-        vec bi = vec_set(0.0);
+        vec bi = vec_set(0.0), wi = vec_set(0.0);
 
         for (i = f->begin[m]; i < f->begin[m + 1]; i++) {
             vec v = vec_load(value + i * K * LANES);
 
             ii += v * v;
             ai += v * f->a[i];
-            bi += v * f->b[i];
+            bi += v * f->column[0].b[i];
+            if (each > 1) {
+                wi += v * f->column[1].b[i];
+            }
         }
-        vec_store(sum + m * LANES, bi);
+        if (each > 1) {
+            vec_store(two + m * LANES, wi);
+        }
+        vec_store(one + m * LANES, bi);
     }
     for (i = f->begin[M]; i < f->used; i++) {
         vec v = vec_load(value + i * K * LANES);
@@ -94,7 +100,10 @@ LANES_INLINE void sum_channel(const struct batch_fast *f, struct batch_tile *til
     vec_store(tile->ii + k * LANES + part, ii);
     vec_store(tile->omega + k * LANES + part, omega);
     for (m = 0; m < M; m++) {
-        vec_store(sum + m * LANES, vec_load(sum + m * LANES) - omega * f->ab[m]);
+        vec_store(one + m * LANES, vec_load(one + m * LANES) - omega * f->column[0].ab[m]);
+        if (each > 1) {
+            vec_store(two + m * LANES, vec_load(two + m * LANES) - omega * f->column[1].ab[m]);
+        }
     }
 }
 
@@ -104,20 +113,24 @@ static void sum_texels(const struct batch_fast *f, struct batch_tile *tile)
 
     for (part = 0; part < LANES; part += VEC) {
         for (k = 0; k < f->channels; k++) {
-            sum_channel(f, tile, k, part);
+            if (f->each > 1) {
+                sum_channel(f, tile, k, part, 2);
+            } else {
+                sum_channel(f, tile, k, part, 1);
+            }
         }
     }
 }
 
-/* n_k at eight nodes. */
-LANES_INLINE void node_block(const double *sum, const double *phi, size_t M, vec n[LANES])
+/* n_k of one column at eight nodes. */
+LANES_INLINE void node_block(const double *sum, const double *node, size_t M, vec n[LANES])
 {
     vec n0 = vec_set(0.0), n1 = n0, n2 = n0, n3 = n0, n4 = n0, n5 = n0, n6 = n0, n7 = n0;
     size_t m;
 
     for (m = 0; m < M; m++) {
         vec r = vec_load(sum + m * LANES);
-        const double *at = phi + m * LANES;
+        const double *at = node + m * LANES;
 
         n0 += r * at[0];
         n1 += r * at[1];
@@ -138,30 +151,59 @@ LANES_INLINE void node_block(const double *sum, const double *phi, size_t M, vec
     n[7] = n7;
 }
 
-/* Sum over channels of max(0, n)^2 / D at every node: what is gained where x may have any sign. */
-static void node_gains(const struct batch_fast *f, struct batch_tile *tile)
+/* What unit columns with this cosine gain, coefficients >= 0. */
+LANES_INLINE vec gain_of_two(vec one, vec two, double cosine)
+{
+    vec zero = vec_set(0.0), first = vec_max(one, zero), second = vec_max(two, zero), most;
+    vec_mask both = (one > cosine * two) & (two > cosine * one);
+
+    first = first * first;
+    second = second * second;
+    most = vec_max(first, second);
+    return vec_select(both, (one * one + two * two - (2.0 * cosine) * (one * two)) / ((1.0 - cosine) * (1.0 + cosine)),
+                      most);
+}
+
+/* Sum over channels of what is gained at every node where x may have any sign. */
+LANES_INLINE void node_gains_of(const struct batch_fast *f, struct batch_tile *tile, int each)
 {
     size_t K = f->channels, M = f->distinct, block, k, j, part;
 
     for (part = 0; part < LANES; part += VEC) {
         for (block = 0; block < f->nodes / LANES; block++) {
-            vec gain[LANES], n[LANES];
+            vec gain[LANES], n[LANES], more[LANES];
 
             for (j = 0; j < LANES; j++) {
                 gain[j] = vec_set(0.0);
             }
             for (k = 0; k < K; k++) {
-                node_block(tile->sum + k * M * LANES + part, f->phi + block * M * LANES, M, n);
+                node_block(tile->sum[0] + k * M * LANES + part, f->column[0].node + block * M * LANES, M, n);
+                if (each > 1) {
+                    node_block(tile->sum[1] + k * M * LANES + part, f->column[1].node + block * M * LANES, M, more);
+                }
                 for (j = 0; j < LANES; j++) {
-                    vec positive = vec_max(n[j], vec_set(0.0));
+                    if (each > 1) {
+                        gain[j] += gain_of_two(n[j], more[j], f->cosine[block * LANES + j]);
+                    } else {
+                        vec positive = vec_max(n[j], vec_set(0.0));
 
-                    gain[j] += positive * positive;
+                        gain[j] += positive * positive;
+                    }
                 }
             }
             for (j = 0; j < LANES; j++) {
-                vec_store(tile->gain + (block * LANES + j) * LANES + part, gain[j] * f->inverse_d[block * LANES + j]);
+                vec_store(tile->gain + (block * LANES + j) * LANES + part, gain[j]);
             }
         }
+    }
+}
+
+static void node_gains(const struct batch_fast *f, struct batch_tile *tile)
+{
+    if (f->each > 1) {
+        node_gains_of(f, tile, 2);
+    } else {
+        node_gains_of(f, tile, 1);
     }
 }
 

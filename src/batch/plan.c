@@ -63,7 +63,7 @@ static struct brdffit_plan *lay_out(struct arena *arena, const brdffit_samples *
     kept.weights = copy(arena, g->weights, g->count, 1);
     kept.values = NULL;
     if (brdffit_batch_fast_possible(o)) {
-        brdffit_batch_fast_layout(&fast, arena, g->count);
+        brdffit_batch_fast_layout(&fast, arena, g->count, o);
         brdffit_batch_fast_scratch(&making->reduced, &making->values, arena, g->count, o);
     }
     if (plan) {

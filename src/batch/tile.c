@@ -71,6 +71,13 @@ static double unit_of(const brdffit_plan *plan, const struct batch_tile *tile, s
     return plan->fast.scale_w * (value * value);
 }
 
+/* Lobes of a result, which column is the first of each, and what each column's coefficient is divided by. */
+struct published_lobes {
+    int count, first[2];
+    struct wide factor[EACH_MOST];
+    double sharpest; /* largest s */
+};
+
 /* The verdict on a lane (verdict.h): what its kernel proved is certified by its final numbers, or not at all. */
 static int judge(const brdffit_plan *plan, const struct batch_outcome *out, double unit, struct batch_result *r)
 {
@@ -88,33 +95,87 @@ static int judge(const brdffit_plan *plan, const struct batch_outcome *out, doub
     return verdict.certified;
 }
 
+/* Column c's coefficient of channel k in the data's units, as far as a double holds it; 0 where it is no ordinary number. */
+static int coefficient(const struct batch_fast *f, const struct batch_tile *tile, size_t lane, size_t k, int c,
+                       struct wide factor, size_t columns, double *z)
+{
+    double y = tile->y[(k * columns + (size_t)c) * LANES + lane];
+
+    *z = wide_value(wide_over(wide_of(y * tile->scale[k * LANES + lane] / f->column[c].scale_b), factor));
+    return isnormal(*z) || y == 0.0;
+}
+
+/* y of every lobe of a channel, the p-th from column first[p], and F0; 0 where they are no ordinary numbers. */
+static int keep_lobes(const struct batch_fast *f, const struct batch_tile *tile, size_t lane, size_t k,
+                      const struct published_lobes *lobes, struct batch_result *r)
+{
+    size_t P = (size_t)lobes->count, columns = P * (size_t)f->each, p;
+    double z[EACH_MOST] = {0.0, 0.0};
+    int j, ordinary = 1;
+
+    for (p = 0; p < P; p++) {
+        for (j = 0; j < f->each; j++) {
+            int c = lobes->first[p] + j;
+
+            ordinary = coefficient(f, tile, lane, k, c, lobes->factor[c], columns, &z[j]) && ordinary;
+        }
+        r->y[k * P + p] = z[0] + z[1];
+        if (r->f0) {
+            r->f0[k * P + p] = r->y[k * P + p] > 0.0 ? fmin(1.0, z[0] / r->y[k * P + p]) : 0.0;
+        }
+        ordinary = ordinary && isfinite(r->y[k * P + p]);
+    }
+    return ordinary;
+}
+
+/* Lobes of a lane in the order of a result, sigma ascending, and what their columns' coefficients are divided by. */
+static struct published_lobes lobes_of(const brdffit_plan *plan, const struct batch_outcome *out,
+                                       struct batch_result *r)
+{
+    const struct batch_fast *f = &plan->fast;
+    struct published_lobes lobes = {.count = plan->options.lobes};
+    const double s[2] = {out->s, out->other};
+    int p, j;
+
+    for (p = 0; p < lobes.count; p++) {
+        int column = lobes.count > 1 && s[1] > s[0] ? 1 - p : p;
+
+        lobes.first[p] = column; /* several lobes have one column each */
+        r->sigma[p] = sigma_of(plan, s[column]);
+        for (j = 0; j < f->each; j++) {
+            lobes.factor[column + j] = brdffit_lobe_divisor(f->kind, twofold_inverse_square(r->sigma[p]),
+                                                            &f->column[column + j].sight);
+        }
+    }
+    lobes.sharpest = lobes.count > 1 ? fmax(s[0], s[1]) : s[0];
+    return lobes;
+}
+
 /*
  * A certified lane to a result; 0 where a fit's own rules (domain.c, published.c) decide which coefficients there are: near
  * the end of finite ones, and where one is no ordinary number.
  */
-static int keep(const brdffit_plan *plan, const struct batch_tile *tile, size_t lane, struct batch_result *r)
+static int keep(const brdffit_plan *plan, const struct batch_tile *tile, const struct batch_outcome *out, size_t lane,
+                struct batch_result *r)
 {
     const struct batch_fast *f = &plan->fast;
-    const struct batch_outcome *out = &tile->outcome[lane];
-    int none = plan->options.normalise == BRDFFIT_NORMALISE_NONE;
-    struct wide factor;
+    const struct published_lobes lobes = lobes_of(plan, out, r);
+    int none = plan->options.normalise == BRDFFIT_NORMALISE_NONE, last = f->each - 1;
     double unit = unit_of(plan, tile, lane);
     size_t k;
-    int finite = f->kind->exponent(f->c_min, out->s) <= LIMIT_PLAIN_EXPONENT && judge(plan, out, unit, r);
+    int finite = f->kind->exponent(f->column[last].sight.c_min, lobes.sharpest) <= LIMIT_PLAIN_EXPONENT &&
+                 judge(plan, out, unit, r);
 
     r->where = BRDFFIT_NONE;
     r->boxes = out->boxes;
     r->nodes = out->nodes;
     r->general = r->one_lobe_enough = 0;
-    r->sigma[0] = sigma_of(plan, out->s);
-    factor = brdffit_lobe_factor(f->kind, twofold_inverse_square(r->sigma[0]), f->c_min);
     for (k = 0; k < f->channels && finite; k++) {
         double scale = tile->scale[k * LANES + lane];
 
         r->x[k] = f->root_a > 0.0 ? tile->x[k * LANES + lane] / f->root_a * scale / f->scale_a : 0.0;
-        r->y[k] = wide_value(wide_over(wide_of(tile->y[k * LANES + lane] * scale / f->scale_b), factor));
         r->channel_scale[k] = none ? 1.0 : scale;
-        finite = (isnormal(r->x[k]) || r->x[k] == 0.0) && (isnormal(r->y[k]) || tile->y[k * LANES + lane] == 0.0);
+        finite = (isnormal(r->x[k]) || r->x[k] == 0.0) && keep_lobes(f, tile, lane, k, &lobes, r);
     }
     return finite;
 }
@@ -122,7 +183,7 @@ static int keep(const brdffit_plan *plan, const struct batch_tile *tile, size_t 
 /* Every used value is zero. */
 static void keep_nothing(const brdffit_plan *plan, struct batch_result *r)
 {
-    size_t k;
+    size_t k, P = (size_t)plan->options.lobes;
 
     r->status = BRDFFIT_TEXEL_NO_SIGNAL;
     r->stop = BRDFFIT_STOP_RELATIVE_GAP;
@@ -131,9 +192,17 @@ static void keep_nothing(const brdffit_plan *plan, struct batch_result *r)
     r->general = r->one_lobe_enough = 0;
     r->e2 = r->lower_bound = r->sum_of_squares = 0.0;
     r->sigma_floor = plan->fast.sigma_floor;
-    r->sigma[0] = sigma_of(plan, plan->fast.s_low);
+    for (k = 0; k < P; k++) {
+        r->sigma[k] = sigma_of(plan, plan->fast.s_low);
+    }
+    for (k = 0; k < plan->fast.channels * P; k++) {
+        r->y[k] = 0.0;
+        if (r->f0) {
+            r->f0[k] = 0.0;
+        }
+    }
     for (k = 0; k < plan->fast.channels; k++) {
-        r->x[k] = r->y[k] = 0.0;
+        r->x[k] = 0.0;
         r->channel_scale[k] = 1.0;
     }
 }
@@ -174,15 +243,19 @@ static void fit_lanes(struct batch *batch)
     if (any) {
         plan->kernels->tile(&plan->fast, &rules, tile, live);
     }
+    for (l = 0; l < BATCH_TILE; l++) {
+        tile->two[l].certified = 0;
+    }
+    if (any && plan->fast.pair) {
+        plan->kernels->two(&plan->fast, &rules, tile, live);
+    }
 }
 
-/* Two lobes: the ordinary fit, and whether its bound leaves room for a second lobe to be of use. */
-static void fit_two(struct batch *batch, size_t l)
+/* Whether the bound of two lobes leaves room for a second lobe to be of use. */
+static void judge_second(const struct batch *batch, size_t l, struct batch_result *r)
 {
     const brdffit_plan *plan = batch->plan;
-    struct batch_result *r = &batch->result[l];
 
-    brdffit_batch_general(plan, batch, batch->row[l], r);
     if (plan->kernels && batch->tile.outcome[l].certified && r->status <= BRDFFIT_TEXEL_OPEN) {
         double one = (batch->tile.outcome[l].e2 + batch->tile.outcome[l].error) * unit_of(plan, &batch->tile, l);
 
@@ -194,6 +267,8 @@ static void fit_two(struct batch *batch, size_t l)
 void brdffit_batch_tile(struct batch *batch)
 {
     const brdffit_plan *plan = batch->plan;
+    const struct batch_outcome *outcome = plan->options.lobes > 1 ? batch->tile.two : batch->tile.outcome;
+    int in_lanes = plan->kernels && (plan->options.lobes == 1 || plan->fast.pair);
     size_t l;
 
     if (plan->kernels) {
@@ -202,14 +277,13 @@ void brdffit_batch_tile(struct batch *batch)
     for (l = 0; l < batch->filled; l++) {
         struct batch_result *r = &batch->result[l];
 
-        if (plan->options.lobes > 1) {
-            fit_two(batch, l);
-        } else if (plan->kernels && batch->tile.outcome[l].certified && keep(plan, &batch->tile, l, r)) {
-            continue;
-        } else if (plan->kernels && no_signal(&batch->tile, plan->fast.channels, l)) {
+        if (in_lanes && no_signal(&batch->tile, plan->fast.channels, l)) {
             keep_nothing(plan, r);
-        } else {
+        } else if (!(in_lanes && outcome[l].certified && keep(plan, &batch->tile, &outcome[l], l, r))) {
             brdffit_batch_general(plan, batch, batch->row[l], r);
+        }
+        if (plan->options.lobes > 1) {
+            judge_second(batch, l, r);
         }
     }
 }

@@ -1,11 +1,11 @@
 /*
  * bench_many: certified fits of the texels of a synthetic map with one shared geometry, texels per second.
  *
- *   bench_many [--lobes N|NAME,...] [--size N] [--gap X] [--noise X] [--repeat N] [--isa NAME] [--float] [--csv]
- *              [--check N]
+ *   bench_many [--lobes N|NAME,...] [--distribution NAME] [--fresnel NAME] [--masking NAME] [--diffuse NAME] [--size N]
+ *              [--gap X] [--noise X] [--repeat N] [--isa NAME] [--float] [--csv] [--check N]
  *
  * The map: size x size texels, 3 channels, 84 samples (the goniometer of the paper: 4 views, 21 lights), image stack
- * layout (sample, texel, channel). Parameters vary smoothly; noise is relative to each texel's largest radiance.
+ * layout (sample, texel, channel), of the model that is fitted. Parameters vary smoothly; noise is relative to each texel's largest radiance.
  * Beside the speed: the share of certified texels, and the worst excess of E^2 over that of brdffit_fit() at gap
  * 1e-9 on --check texels. One thread. SPDX-License-Identifier: MIT
  */
@@ -93,7 +93,7 @@ static void make_geometry(double *light, double *view)
 static int render(const struct settings *s, const brdffit_samples *at, double u, double v, double *out)
 {
     double wave = 0.5 + 0.5 * sin(2.0 * PI * (1.5 * u + 0.5 * v)), x[CHANNELS], sigma[BRDFFIT_MAX_LOBES];
-    double y[CHANNELS * BRDFFIT_MAX_LOBES];
+    double y[CHANNELS * BRDFFIT_MAX_LOBES], f0[CHANNELS * BRDFFIT_MAX_LOBES], x_more[CHANNELS * 2];
     const int lobes = s->lobes.lobes;
     brdffit_model model;
     size_t k;
@@ -102,7 +102,13 @@ static int render(const struct settings *s, const brdffit_samples *at, double u,
     brdffit_model_init(&model);
     model.sigma = sigma;
     model.lobes = lobes;
+    model.distribution = s->lobes.distribution;
     model.distributions = s->lobes.distributions;
+    model.fresnel = s->lobes.fresnel;
+    model.masking = s->lobes.masking;
+    model.diffuse = s->lobes.diffuse;
+    model.f0 = f0;
+    model.x_more = x_more;
     model.channels = CHANNELS;
     model.x = x;
     model.y = y;
@@ -111,7 +117,9 @@ static int render(const struct settings *s, const brdffit_samples *at, double u,
     sigma[2] = sigma[1] * 1.8;
     for (k = 0; k < CHANNELS; k++) {
         x[k] = (0.05 + 0.4 * v) * (1.0 - 0.25 * (double)k * wave);
+        x_more[2 * k] = x_more[2 * k + 1] = 0.5 * x[k]; /* for any number of them */
         for (p = 0; p < lobes; p++) {
+            f0[k * (size_t)lobes + (size_t)p] = 0.04 + 0.5 * u * wave;
             y[k * (size_t)lobes + (size_t)p] = (0.02 + 0.08 * wave) * sigma[p] * (1.0 + 0.2 * (double)k * u);
         }
     }
@@ -217,7 +225,11 @@ static int measure(const struct settings *s, struct run *run)
     geometry.view = view;
     brdffit_options_init(&options);
     options.lobes = s->lobes.lobes;
+    options.distribution = s->lobes.distribution;
     options.distributions = s->lobes.distributions;
+    options.fresnel = s->lobes.fresnel;
+    options.masking = s->lobes.masking;
+    options.diffuse = s->lobes.diffuse;
     options.relative_gap = s->gap;
     options.isa = s->isa;
     plan_size = brdffit_plan_size(&geometry, &options);
@@ -289,9 +301,42 @@ static void print_run(const struct settings *s, const struct run *run)
 
 static int usage(void)
 {
-    fprintf(stderr, "usage: bench_many [--lobes N|NAME,...] [--size N] [--gap X] [--noise X] [--repeat N] [--isa NAME] "
-                    "[--float] [--csv] [--check N]\n");
+    fprintf(stderr, "usage: bench_many [--lobes N|NAME,...] [--distribution NAME] [--fresnel NAME] [--masking NAME] "
+                    "[--diffuse NAME] [--size N] [--gap X] [--noise X] [--repeat N] [--isa NAME] [--float] [--csv] "
+                    "[--check N]\n");
     return 2;
+}
+
+/* Names of the model; 0 when `name` is another option or its value no name. */
+static int set_model(brdffit_options *o, const char *name, const char *value)
+{
+    int i;
+
+    for (i = 0; strcmp(name, "--distribution") == 0 && i < BRDFFIT_DISTRIBUTION_COUNT; i++) {
+        if (strcmp(value, brdffit_distribution_string((brdffit_distribution)i)) == 0) {
+            o->distribution = (brdffit_distribution)i;
+            return 1;
+        }
+    }
+    for (i = 0; strcmp(name, "--fresnel") == 0 && i < BRDFFIT_FRESNEL_COUNT; i++) {
+        if (strcmp(value, brdffit_fresnel_string((brdffit_fresnel)i)) == 0) {
+            o->fresnel = (brdffit_fresnel)i;
+            return 1;
+        }
+    }
+    for (i = 0; strcmp(name, "--masking") == 0 && i < BRDFFIT_MASKING_COUNT; i++) {
+        if (strcmp(value, brdffit_masking_string((brdffit_masking)i)) == 0) {
+            o->masking = (brdffit_masking)i;
+            return 1;
+        }
+    }
+    for (i = 0; strcmp(name, "--diffuse") == 0 && i < BRDFFIT_DIFFUSE_COUNT; i++) {
+        if (strcmp(value, brdffit_diffuse_string((brdffit_diffuse)i)) == 0) {
+            o->diffuse = (brdffit_diffuse)i;
+            return 1;
+        }
+    }
+    return 0;
 }
 
 static int set(struct settings *s, const char *name, const char *value)
@@ -319,7 +364,7 @@ static int set(struct settings *s, const char *name, const char *value)
         }
         return 0;
     } else {
-        return 0;
+        return set_model(&s->lobes, name, value);
     }
     return 1;
 }
