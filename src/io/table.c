@@ -102,6 +102,10 @@ void brdffit_io_table_publish(struct io_table *table)
     samples->c = table->array[IO_C];
     samples->weights = table->array[IO_WEIGHTS];
     samples->values = table->array[IO_VALUES];
+    samples->tangent = table->array[IO_TANGENT];
+    if (samples->tangent) { /* a program of before there was one is told that it knows not all of them */
+        samples->struct_size = sizeof *samples;
+    }
 }
 
 /* Room for one more note with `size` bytes of text behind it; NULL: no memory. */

@@ -13,6 +13,7 @@ enum io_array {
     IO_LIGHT = 0, /* 3 a sample */
     IO_VIEW,
     IO_NORMAL,
+    IO_TANGENT,
     IO_COS_LIGHT, /* 1 a sample */
     IO_COS_VIEW,
     IO_TAN2_HALF,

@@ -96,3 +96,23 @@ def test_angles_have_no_azimuth(tmp_path):
     (tmp_path / "angles.csv").write_text("a,b,c,r\n0.3,0.2,0.01,1\n0.3,0.2,0.2,0.5\n")
     done = harness.run("fit", "--anisotropic", "angles.csv", cwd=tmp_path)
     assert done.returncode == 2 and "anisotrop" in done.stderr
+
+
+def test_tangents_of_a_table(tmp_path):
+    """The same samples in frames of their own: a normal and a tangent a row."""
+    light, view = terms_model.geometry(200, seed=11)
+    values = light[:, 2:] / np.pi * 0.2 + 0.02 * radiance("beckmann", 0.1, 0.4, light, view)[:, None]
+    rng = np.random.default_rng(1)
+    frames = np.linalg.qr(rng.standard_normal((len(light), 3, 3)))[0]
+    frames[:, :, 2] *= np.linalg.det(frames)[:, None]
+    turned = [np.einsum("nij,nj->ni", frames, d) for d in (light, view)]
+    table = np.hstack([*turned, frames[:, :, 2], 2 * frames[:, :, 0] + 0.3 * frames[:, :, 2], values])
+    names = "lx,ly,lz,vx,vy,vz,nx,ny,nz,tangent_x,tangent_y,tangent_z,r"
+    (tmp_path / "made.csv").write_text(names + "\n" + "\n".join(",".join("%.17g" % x for x in row) for row in table) + "\n")
+    options = ("--values", "radiance", "--max-incidence", "off", "--anisotropic")
+    line = harness.fit("made.csv", *options, cwd=tmp_path)[0]
+    assert line["channels"] == ["r"] and line["sigma_xy"][0] == pytest.approx([0.1, 0.4], rel=1e-9)
+    (tmp_path / "none.csv").write_text(names.replace("tangent", "u") + "\n" + "\n".join(
+        ",".join("%.17g" % x for x in row) for row in table) + "\n")
+    done = harness.run("fit", *options, "none.csv", cwd=tmp_path)
+    assert done.returncode == 3 and "tangent" in done.stderr

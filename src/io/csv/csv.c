@@ -32,6 +32,7 @@ static void open_arrays(const struct csv_layout *layout, struct io_table *table)
         table->width[IO_LIGHT] = 3;
         table->width[IO_VIEW] = 3;
         table->width[IO_NORMAL] = brdffit_io_csv_has(layout, CSV_NX) ? 3 : 0;
+        table->width[IO_TANGENT] = brdffit_io_csv_has(layout, CSV_TX) ? 3 : 0;
     }
     table->width[IO_WEIGHTS] = brdffit_io_csv_has(layout, CSV_WEIGHT) || brdffit_io_csv_has(layout, CSV_UNCERTAINTY);
     table->with_lines = 1;

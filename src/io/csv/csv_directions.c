@@ -185,6 +185,10 @@ static const char *store_vectors(struct csv_reader *r, size_t sample, const doub
     if (brdffit_io_csv_has(r->layout, CSV_NX) && !store_vector(r, sample, value + CSV_NX, IO_NORMAL)) {
         return "nx, ny, nz has no length";
     }
+    *role = CSV_TX;
+    if (brdffit_io_csv_has(r->layout, CSV_TX) && !store_vector(r, sample, value + CSV_TX, IO_TANGENT)) {
+        return "tx, ty, tz has no length";
+    }
     return NULL;
 }
 

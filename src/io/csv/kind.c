@@ -20,7 +20,7 @@ static brdffit_status check_angles(struct csv_layout *layout, brdffit_error *err
     const int phi_i = brdffit_io_csv_has(layout, CSV_PHI_I), phi_o = brdffit_io_csv_has(layout, CSV_PHI_O);
 
     layout->kind = CSV_ANGLES;
-    if (brdffit_io_layout_any(layout, CSV_LX, CSV_NZ)) {
+    if (brdffit_io_layout_any(layout, CSV_LX, CSV_TZ)) {
         return brdffit_io_layout_fail(layout, BRDFFIT_NONE, "the header mixes angles and vectors", error);
     }
     if (!brdffit_io_csv_has(layout, CSV_THETA_I) || !brdffit_io_csv_has(layout, CSV_THETA_O)) {
@@ -40,7 +40,7 @@ static brdffit_status check_angles(struct csv_layout *layout, brdffit_error *err
 static brdffit_status check_half_angles(struct csv_layout *layout, brdffit_error *error)
 {
     layout->kind = CSV_HALF_ANGLES;
-    if (brdffit_io_layout_any(layout, CSV_LX, CSV_NZ)) {
+    if (brdffit_io_layout_any(layout, CSV_LX, CSV_TZ)) {
         return brdffit_io_layout_fail(layout, BRDFFIT_NONE, "the header mixes angles and vectors", error);
     }
     if (!brdffit_io_csv_has(layout, CSV_THETA_H) || !brdffit_io_csv_has(layout, CSV_THETA_D) ||
@@ -58,6 +58,9 @@ static brdffit_status check_vectors(struct csv_layout *layout, brdffit_error *er
     }
     if (brdffit_io_layout_any(layout, CSV_NX, CSV_NZ) && !all_of(layout, CSV_NX, CSV_NZ)) {
         return brdffit_io_layout_fail(layout, BRDFFIT_NONE, "the header needs all of nx, ny, nz, or none", error);
+    }
+    if (brdffit_io_layout_any(layout, CSV_TX, CSV_TZ) && !all_of(layout, CSV_TX, CSV_TZ)) {
+        return brdffit_io_layout_fail(layout, BRDFFIT_NONE, "the header needs all of tx, ty, tz, or none", error);
     }
     return BRDFFIT_OK;
 }
@@ -84,7 +87,7 @@ static brdffit_status check_kind(struct csv_layout *layout, brdffit_error *error
     if (brdffit_io_layout_any(layout, CSV_THETA_I, CSV_PHI_D)) {
         return check_angles(layout, error);
     }
-    if (brdffit_io_layout_any(layout, CSV_LX, CSV_NZ)) {
+    if (brdffit_io_layout_any(layout, CSV_LX, CSV_TZ)) {
         return check_vectors(layout, error);
     }
     layout->kind = CSV_COEFFICIENTS;

@@ -211,7 +211,7 @@ static void settle_coefficients(struct csv_layout *layout)
 {
     int role;
 
-    if (brdffit_io_layout_any(layout, CSV_THETA_I, CSV_NZ) ||
+    if (brdffit_io_layout_any(layout, CSV_THETA_I, CSV_TZ) ||
         brdffit_io_layout_any(layout, CSV_DIRECTION, CSV_DIRECTION) ||
         brdffit_io_layout_any(layout, CSV_THETA_S, CSV_PHI_S)) {
         for (role = CSV_A; role <= CSV_C; role++) {

@@ -16,7 +16,7 @@
 #define MOST_CHANNELS 4096
 
 struct entry {
-    const double *direction[3]; /* light, view, normal or NULL */
+    const double *direction[4]; /* light, view, and what there is of normal and tangent; the rest NULL */
     double wavelength;
     size_t sample;
     size_t turn;  /* of this wavelength at these directions, from 0 */
@@ -42,7 +42,7 @@ static int compare_directions(const struct entry *a, const struct entry *b)
 {
     int k, d;
 
-    for (k = 0; k < 3 && a->direction[k]; k++) {
+    for (k = 0; k < 4 && a->direction[k]; k++) {
         for (d = 0; d < 3; d++) {
             if (a->direction[k][d] != b->direction[k][d]) {
                 return a->direction[k][d] < b->direction[k][d] ? -1 : 1;
@@ -98,7 +98,13 @@ static void make_entries(struct pivot *p)
     for (i = 0; i < p->count; i++) {
         p->entries[i].direction[0] = t->array[IO_LIGHT] + 3 * i;
         p->entries[i].direction[1] = t->array[IO_VIEW] + 3 * i;
-        p->entries[i].direction[2] = t->width[IO_NORMAL] ? t->array[IO_NORMAL] + 3 * i : NULL;
+        p->entries[i].direction[2] = p->entries[i].direction[3] = NULL;
+        if (t->width[IO_NORMAL]) {
+            p->entries[i].direction[2] = t->array[IO_NORMAL] + 3 * i;
+        }
+        if (t->width[IO_TANGENT]) {
+            p->entries[i].direction[t->width[IO_NORMAL] ? 3 : 2] = t->array[IO_TANGENT] + 3 * i;
+        }
         p->entries[i].wavelength = p->wavelengths[i] = p->reader->wavelength[i];
         p->entries[i].sample = i;
         p->entries[i].turn = p->entries[i].first = 0;

@@ -9,9 +9,9 @@
 #include <string.h>
 
 static const char *const role_names[CSV_NAMED_ROLES] = {
-    "theta_i", "phi_i", "theta_o", "phi_o",  "phi",         "theta_h",    "phi_h",   "theta_d", "phi_d",
-    "lx",      "ly",    "lz",      "vx",     "vy",          "vz",         "nx",      "ny",      "nz",
-    "a",       "b",     "c",       "weight", "uncertainty", "wavelength", "channel", "ignore",
+    "theta_i", "phi_i", "theta_o", "phi_o", "phi",    "theta_h",     "phi_h",      "theta_d", "phi_d",  "lx",
+    "ly",      "lz",    "vx",      "vy",    "vz",     "nx",          "ny",         "nz",      "tx",     "ty",
+    "tz",      "a",     "b",       "c",     "weight", "uncertainty", "wavelength", "channel", "ignore",
 };
 
 const char *brdffit_io_role_name(enum csv_role role)
@@ -39,7 +39,7 @@ int brdffit_io_is_angle(enum csv_role role)
 /* Whose: the one class of side that the words name; WORD_OTHER for none, WORD_CLASSES for several. */
 static enum io_word side_of(const struct io_words *w)
 {
-    static const enum io_word sides[] = {WORD_LIGHT, WORD_VIEW, WORD_NORMAL, WORD_S, WORD_D, WORD_HALF};
+    static const enum io_word sides[] = {WORD_LIGHT, WORD_VIEW, WORD_NORMAL, WORD_TANGENT, WORD_S, WORD_D, WORD_HALF};
     enum io_word found = WORD_OTHER;
     size_t i;
 
@@ -53,7 +53,8 @@ static enum io_word side_of(const struct io_words *w)
 
 static int count_sides(const struct io_words *w)
 {
-    return w->of[WORD_LIGHT] + w->of[WORD_VIEW] + w->of[WORD_NORMAL] + w->of[WORD_S] + w->of[WORD_D] + w->of[WORD_HALF];
+    return w->of[WORD_LIGHT] + w->of[WORD_VIEW] + w->of[WORD_NORMAL] + w->of[WORD_TANGENT] + w->of[WORD_S] +
+           w->of[WORD_D] + w->of[WORD_HALF];
 }
 
 static enum csv_role polar_role(enum io_word side)
@@ -109,7 +110,7 @@ static int has_short_side(const struct io_words *w)
     int i;
 
     for (i = 0; i < w->count; i++) {
-        if (!w->text[i][1] && w->word[i] >= WORD_LIGHT && w->word[i] <= WORD_HALF && !strchr("lvn", w->text[i][0])) {
+        if (!w->text[i][1] && w->word[i] >= WORD_LIGHT && w->word[i] <= WORD_HALF && !strchr("lvnt", w->text[i][0])) {
             return 1;
         }
     }
@@ -130,6 +131,7 @@ static enum csv_role component_role(const struct io_words *w)
     case WORD_LIGHT: return (enum csv_role)(CSV_LX + axis);
     case WORD_VIEW: return (enum csv_role)(CSV_VX + axis);
     case WORD_NORMAL: return (enum csv_role)(CSV_NX + axis);
+    case WORD_TANGENT: return (enum csv_role)(CSV_TX + axis);
     default: return CSV_DIRECTION;
     }
 }

@@ -26,6 +26,9 @@ enum csv_role {
     CSV_NX,
     CSV_NY,
     CSV_NZ,
+    CSV_TX, /* tangent: where anisotropic lobes are turned from */
+    CSV_TY,
+    CSV_TZ,
     CSV_A,
     CSV_B,
     CSV_C,

@@ -25,6 +25,7 @@ static const struct vocabulary vocabulary[] = {
      " o out wo outgoing output r ref refl reflected reflection v view viewing viewer e em emission emergent exit exitant "
      "detector det scatter scattered scattering scat camera cam observer observation obs sensor receiver rec "},
     {WORD_NORMAL, "normal", " n normal norm "},
+    {WORD_TANGENT, "tangent, beside an axis", " t tangent "},
     {WORD_S, "sun, or scatter beside i", " s "},
     {WORD_D, "difference beside h, or detector", " d diff difference "},
     {WORD_HALF, "half vector", " h half halfway "},
@@ -171,7 +172,7 @@ static int push_glued(struct io_words *out, const char *text, size_t length)
         if (length > n && memcmp(text, angle[i], n) == 0) {
             const enum io_word rest = class_of(text + n, length - n);
 
-            if ((rest >= WORD_LIGHT && rest <= WORD_HALF && rest != WORD_NORMAL)) {
+            if ((rest >= WORD_LIGHT && rest <= WORD_HALF && rest != WORD_NORMAL && rest != WORD_TANGENT)) {
                 push(out, angle[i], n);
                 push(out, text + n, length - n);
                 return 1;

@@ -19,6 +19,7 @@ enum io_word {
     WORD_LIGHT,
     WORD_VIEW,
     WORD_NORMAL,
+    WORD_TANGENT,
     WORD_S, /* sun or scatter: by what else there is */
     WORD_D, /* difference or detector, likewise */
     WORD_HALF,

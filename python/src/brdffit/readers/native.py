@@ -16,7 +16,7 @@ from .._arrays import Floats, from_address
 from .._ffi import library
 from ..errors import from_struct
 
-_VECTORS = ("light", "view", "normal")
+_VECTORS = ("light", "view", "normal", "tangent")
 _COLUMNS = ("cos_light", "cos_view", "tan2_half", "cos_difference", "a", "b", "c", "weights")
 
 
