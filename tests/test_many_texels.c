@@ -63,15 +63,25 @@ static void mixed_batch(struct brdffit_test_batch *b, int lobes, size_t count)
     }
 }
 
+static void choose_model(brdffit_options *o, int kind)
+{
+    o->distribution = kind < 2 ? BRDFFIT_BECKMANN : BRDFFIT_GGX;
+    o->masking = kind == 2 ? BRDFFIT_MASKING_SMITH : BRDFFIT_MASKING_V_CAVITY;
+    o->fresnel = kind == 2 ? BRDFFIT_FRESNEL_SCHLICK : BRDFFIT_FRESNEL_NONE;
+}
+
 static void test_instruction_sets(void **state)
 {
     struct brdffit_test_batch b, c;
-    int isa, lobes;
+    int isa, kind;
     size_t t;
 
     (void)state;
-    for (lobes = 1; lobes <= 2; lobes++) {
-        mixed_batch(&b, lobes, lobes == 1 ? 61 : 9);
+    for (kind = 0; kind < 4; kind++) { /* one lobe or two, plain or with all that a lobe may have */
+        int lobes = 1 + kind % 2;
+
+        mixed_batch(&b, lobes, lobes == 1 ? 61 : 17);
+        choose_model(&b.options, kind);
         b.options.isa = BRDFFIT_ISA_BASE;
         brdffit_test_batch_fit(&b);
         for (isa = BRDFFIT_ISA_AUTO; isa < BRDFFIT_ISA_COUNT; isa++) {
@@ -79,6 +89,7 @@ static void test_instruction_sets(void **state)
                 continue;
             }
             mixed_batch(&c, lobes, b.count);
+            choose_model(&c.options, kind);
             c.options.isa = (brdffit_isa)isa;
             brdffit_test_batch_fit(&c);
             for (t = 0; t < b.count; t++) {

@@ -76,7 +76,7 @@ static void ascend_tile(const struct batch_fast *f, struct batch_tile *tile, str
             }
         }
         for (part = 0; part < LANES; part += VEC) {
-            if (f->each > 1) {
+            if (EACH_MOST > 1 && f->each > 1) {
                 ascend_part(f, tile, c, active, part, 2);
             } else {
                 ascend_part(f, tile, c, active, part, 1);
