@@ -101,7 +101,7 @@ static double coefficient(const struct batch_fast *f, const struct batch_tile *t
 static int keep_lobe(const struct batch_fast *f, const struct batch_tile *tile, size_t lane, size_t k,
                      const struct wide factor[EACH_MOST], struct batch_result *r)
 {
-    double z[EACH_MOST] = {0.0, 0.0};
+    double z[EACH_MOST] = {0.0};
     int j, ordinary = 1;
 
     for (j = 0; j < f->each; j++) {
