@@ -807,9 +807,9 @@ BRDFFIT_API void brdffit_texel_results_init_sized(brdffit_texel_results *results
 
 /*
  * Certified fits of many texels that share the plan's geometry. Each texel is a fit of its own, as brdffit_fit()
- * would make it: same objective, same gaps, its own proof. Norm L2 with engine moment, Lambert's term or none, and
- * one lobe of any distribution, masking and Fresnel or two of one distribution without Fresnel, runs several texels at a time
- * and takes what only depends on the geometry from the plan; all else, and texels that resist, take the path of brdffit_fit(). A bad texel never stops the batch.
+ * would make it: same objective, same gaps, its own proof. Norm L2 with engine moment and one lobe of any
+ * distribution, masking and Fresnel, beside Lambert's term, runs several texels at a time and takes what only depends on the
+ * geometry from the plan; all else, and texels that resist, take the path of brdffit_fit(). A bad texel never stops the batch.
  *
  * A texel's result depends on its own data and the plan alone: not on its neighbours, the order, the size of the
  * batch, the thread or the instruction set; the bits are the same. No allocation (but for ECOS, where the options

@@ -312,71 +312,6 @@ static void test_windows_of_columns(void **state)
     }
 }
 
-/* D of two lobes of one column, each at t of its own window, in the factors of these. */
-static long double cross_of(const struct batch_fast *f, const struct truth *one, const struct truth *two)
-{
-    long double sum = -one->u[0] * two->u[0];
-    size_t m;
-
-    for (m = 0; m < f->distinct; m++) {
-        sum += f->column[0].bb[m] * one->phi[0][m] * two->phi[0][m];
-    }
-    return sum;
-}
-
-/* The polynomial of a pair of windows, and its Taylor series with what it misses. */
-static void check_pair(const struct batch_fast *f, size_t v, size_t w, struct brdffit_test_random *random)
-{
-    const struct batch_pair *pair = &f->pair[BATCH_PAIR(v, w)];
-    double t[2] = {brdffit_test_uniform(random, -1.0, 1.0), brdffit_test_uniform(random, -1.0, 1.0)};
-    long double sum = 0.0L, near, power = 1.0L, truth;
-    static struct truth one, two;
-    size_t i;
-
-    truth_at(f, v, t[0], BRDFFIT_MASKING_V_CAVITY, &one);
-    truth_at(f, w, t[1], BRDFFIT_MASKING_V_CAVITY, &two);
-    truth = cross_of(f, &one, &two);
-    for (i = 0; i < BATCH_TERMS; i++, power *= t[0]) {
-        sum += power * polynomial(pair->d[i], BATCH_TERMS, t[1]);
-    }
-    near = pair->d[0][0] + pair->d[1][0] * t[0] + pair->d[0][1] * t[1] + pair->d[2][0] * t[0] * t[0] +
-           pair->d[1][1] * t[0] * t[1] + pair->d[0][2] * t[1] * t[1];
-    if (!(fabsl(sum - truth) <= pair->error && fabsl(near - truth) <= pair->rest)) {
-        fail_msg("windows %zu and %zu: D_12 off by %Lg (%g), near the middle by %Lg (%g)", v, w, sum - truth,
-                 pair->error, near - truth, pair->rest);
-    }
-}
-
-static void test_pairs(void **state)
-{
-    struct brdffit_test_spec spec = brdffit_test_spec_default();
-    struct brdffit_test_random random = {7};
-    struct brdffit_test_data data;
-    brdffit_options options;
-    const brdffit_plan *plan;
-    void *memory;
-    size_t size, v, w, kind;
-
-    (void)state;
-    brdffit_test_data_new(&spec, &data);
-    for (kind = 0; kind < 2; kind++) {
-        brdffit_options_init(&options);
-        options.lobes = 2;
-        options.distribution = kind ? BRDFFIT_GGX : BRDFFIT_BECKMANN;
-        size = brdffit_plan_size(&data.samples, &options);
-        memory = malloc(size);
-        assert_int_equal(brdffit_plan_init(&data.samples, &options, memory, size, &plan, NULL), BRDFFIT_OK);
-        assert_non_null(plan->fast.pair);
-        for (w = 0; w < plan->fast.windows; w++) {
-            for (v = 0; v <= w; v++) {
-                check_pair(&plan->fast, v, w, &random);
-            }
-        }
-        free(memory);
-    }
-    brdffit_test_data_free(&data);
-}
-
 /* The windows meet: no s of the range lies between two of them. */
 static void test_windows_meet(void **state)
 {
@@ -408,7 +343,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_windows),
         cmocka_unit_test(test_windows_of_columns),
-        cmocka_unit_test(test_pairs),
         cmocka_unit_test(test_windows_meet),
     };
 

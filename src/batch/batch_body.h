@@ -76,7 +76,7 @@ static void ascend_tile(const struct batch_fast *f, struct batch_tile *tile, str
             }
         }
         for (part = 0; part < LANES; part += VEC) {
-            if (f->each > 1) {
+            if (EACH_MOST > 1 && f->each > 1) {
                 ascend_part(f, tile, c, active, part, 2);
             } else {
                 ascend_part(f, tile, c, active, part, 1);
@@ -241,35 +241,22 @@ static double published_error(const struct batch_fast *f, double s, double e2, d
            2.0 * TOL_UNIT * (double)(f->used + f->channels) * e2;
 }
 
-/* An incumbent: its objective, the data's sum of squares, that less sum omega^2, the doubt, and its s (the sharpest). */
-struct goal {
-    double best, total, rest, doubt, s;
-};
-
-/* What is to be proven of a texel: its incumbent to the gap that is easier. */
-static void set_level(const struct batch_fast *f, const struct batch_rules *rules, const struct goal *goal,
-                      double *error, double *level, double *gamma)
-{
-    double most, relative, absolute, doubt = goal->doubt * sqrt(goal->total) * (1.0 + 8.0 * TOL_UNIT), root;
-
-    *error = goal->best < INFINITY ? published_error(f, goal->s, goal->best, goal->total) : 0.0;
-    most = goal->best + *error;
-    relative = most / (1.0 + rules->relative_gap) * (1.0 + 16.0 * TOL_UNIT);
-    absolute = most * (1.0 + 16.0 * TOL_UNIT) - rules->absolute_gap * goal->total * (1.0 - 16.0 * TOL_UNIT);
-    *level = fmin(relative, absolute);
-    /* E^2 >= level holds for the true geometry when this one's is above the square of its root and the doubt. */
-    root = sqrt(fmax(*level, 0.0));
-    *gamma = goal->rest - (*level + doubt * (2.0 * root + doubt)) - f->slack * goal->total;
-}
-
+/* What is to be proven of each texel: its incumbent to the gap that is easier. */
 static void set_levels(const struct batch_fast *f, const struct batch_rules *rules, struct tile_state *st)
 {
     size_t l;
 
     for (l = 0; l < LANES; l++) {
-        struct goal goal = {st->best[l], st->total[l], st->rest[l], f->doubt, st->best_s[l]};
+        double most, relative, absolute, doubt = f->doubt * sqrt(st->total[l]) * (1.0 + 8.0 * TOL_UNIT), root;
 
-        set_level(f, rules, &goal, &st->error[l], &st->level[l], &st->gamma[l]);
+        st->error[l] = st->best[l] < INFINITY ? published_error(f, st->best_s[l], st->best[l], st->total[l]) : 0.0;
+        most = st->best[l] + st->error[l];
+        relative = most / (1.0 + rules->relative_gap) * (1.0 + 16.0 * TOL_UNIT);
+        absolute = most * (1.0 + 16.0 * TOL_UNIT) - rules->absolute_gap * st->total[l] * (1.0 - 16.0 * TOL_UNIT);
+        st->level[l] = fmin(relative, absolute);
+        /* E^2 >= level holds for the true geometry when this one's is above the square of its root and the doubt. */
+        root = sqrt(fmax(st->level[l], 0.0));
+        st->gamma[l] = st->rest[l] - (st->level[l] + doubt * (2.0 * root + doubt)) - f->slack * st->total[l];
     }
 }
 
@@ -302,35 +289,26 @@ static void certify(const struct batch_fast *f, struct batch_tile *tile, struct 
     out->total = st->total[lane];
 }
 
-/* |I|^2 less sum omega^2; *total: |I|^2. */
-static double rest_of(const struct batch_fast *f, const struct batch_tile *tile, size_t lane, double *total)
-{
-    double rest = 0.0;
-    size_t k;
-
-    for (k = 0, *total = 0.0; k < f->channels; k++) {
-        double omega = tile->omega[k * LANES + lane];
-
-        *total += tile->ii[k * LANES + lane];
-        rest += tile->ii[k * LANES + lane] - omega * omega;
-    }
-    return rest;
-}
-
 static void start_tile(const struct batch_fast *f, struct batch_tile *tile, struct tile_state *st,
                        const unsigned char *live)
 {
-    size_t l;
+    size_t l, k;
 
     for (l = 0; l < LANES; l++) {
         st->pending[l] = live[l];
         st->best[l] = INFINITY;
         st->theta[l] = f->window[0].center;
         st->s[l] = f->s_low;
-        st->rest[l] = rest_of(f, tile, l, &st->total[l]);
+        st->total[l] = st->rest[l] = 0.0;
         tile->outcome[l].certified = 0;
         tile->outcome[l].boxes = 0;
         tile->outcome[l].nodes = f->windows + 1;
+        for (k = 0; k < f->channels; k++) {
+            double omega = tile->omega[k * LANES + l];
+
+            st->total[l] += tile->ii[k * LANES + l];
+            st->rest[l] += tile->ii[k * LANES + l] - omega * omega;
+        }
         /* Weights may take the sum of squares where its products leave the number range: the general path scales it. */
         st->pending[l] = st->pending[l] && st->total[l] >= LEAST_TOTAL && st->total[l] <= 1.0 / LEAST_TOTAL;
     }
@@ -380,10 +358,7 @@ static void fit_tile(const struct batch_fast *f, const struct batch_rules *rules
     }
 }
 
-#include "batch/lanes_fit_two.h"
-
 const struct batch_kernels BATCH_KERNELS = {
     load_tile,
     fit_tile,
-    fit_two,
 };

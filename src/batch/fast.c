@@ -80,9 +80,6 @@ void brdffit_batch_fast_layout(struct batch_fast *f, struct arena *arena, size_t
         layout_column(&f->column[j], arena, count, model.kind[0]);
     }
     f->window = brdffit_arena_take(arena, BATCH_MOST_NODES, sizeof *f->window);
-    f->pair = o->lobes == 2 && model.each == 1
-                  ? brdffit_arena_take(arena, BATCH_MOST_NODES * (BATCH_MOST_NODES - 1) / 2, sizeof *f->pair)
-                  : NULL;
     f->scratch = ARENA_DOUBLES(arena, (BATCH_REFERENCE + 2) * m);
 }
 
@@ -97,19 +94,12 @@ void brdffit_batch_tile_layout(struct batch_tile *t, struct arena *arena, size_t
         t->sum[j] = ARENA_DOUBLES(arena, K * m * LANES);
         t->phi[j] = ARENA_DOUBLES(arena, m * LANES);
     }
-    if (o->lobes == 2 && C == 1) {
-        t->sum[1] = t->sum[0];
-        t->phi[1] = ARENA_DOUBLES(arena, m * LANES);
-        t->near = brdffit_arena_take(arena, nodes * K, 4 * LANES * sizeof(double));
-        t->upper = brdffit_arena_take(arena, nodes * (nodes - 1) / 2, LANES * sizeof(double));
-        t->data = brdffit_arena_take(arena, nodes * K, BATCH_TERMS * sizeof(double));
-    }
     t->gain = ARENA_DOUBLES(arena, nodes * LANES);
     t->scale = ARENA_DOUBLES(arena, K * LANES);
     t->omega = ARENA_DOUBLES(arena, K * LANES);
     t->ii = ARENA_DOUBLES(arena, K * LANES);
     t->x = ARENA_DOUBLES(arena, K * LANES);
-    t->y = ARENA_DOUBLES(arena, K * EACH_MOST * LANES);
+    t->y = ARENA_DOUBLES(arena, K * C * LANES);
     t->n = ARENA_DOUBLES(arena, K * C * BATCH_TERMS * LANES);
     t->work = ARENA_DOUBLES(arena, K * (C * BATCH_STRIDE_MORE + C + 2));
     t->one = ARENA_DOUBLES(arena, m);

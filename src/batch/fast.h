@@ -50,14 +50,6 @@ struct batch_window {
     double apart; /* how much lower D of different columns is: for coefficients >= 0 that is safe; see screen.c */
     double rate, excess; /* |d ln (z D z) / dt| at most, for any z; what the error of D does to its inverse, relative */
     double delta, shrink; /* screening: see screen.c; shrink <= 0: it cannot be screened */
-    double size, n_rest, d_rest, u_rest; /* for pairs: |b phi|; n_k beyond t^3, D and u beyond t^2, at most */
-};
-
-/* Two windows, for two lobes: see pairs.c. */
-struct batch_pair {
-    double d[BATCH_TERMS][BATCH_TERMS]; /* [i][j]: of t1^i t2^j in D_12 */
-    double error, third,
-        rest; /* how far it may be off; beyond second order, per step cubed; from the middle, off and beyond */
 };
 
 /* A column of the lobe: b phi, and with Schlick's Fresnel b w phi. */
@@ -95,16 +87,13 @@ struct batch_fast {
     double *cosine; /* nodes: cosine of the two columns beside a */
     struct batch_column column[EACH_MOST];
     struct batch_window *window;
-    struct batch_pair *pair; /* N (N + 1) / 2, BATCH_PAIR; NULL unless there are two lobes of one column */
-    double doubt_two, doubt_tail_two; /* of the geometry, two lobes; where one is in the last window or beyond */
     double *scratch; /* while the plan is made: BATCH_REFERENCE + 2 rows of PADDED(M) */
 };
 
 /* What became of a texel of a tile, in internal units. */
 struct batch_outcome {
     int certified; /* 0: nothing below is meant, take the general path */
-    double s, other, e2, error, lower_bound,
-        total; /* other: s of a second lobe, at most s; error: how far e2 may be from that of the model that is published */
+    double s, e2, error, lower_bound, total; /* error: how far e2 may be from that of the model that is published */
     size_t boxes, nodes;
 };
 
@@ -126,10 +115,6 @@ struct batch_tile {
     double *work; /* K x each x BATCH_STRIDE_MORE, and more */
     double *phi[EACH_MOST]; /* M x LANES */
     double *one; /* PADDED(M) */
-    double *near; /* two lobes: N x K x 4 x LANES, n_k in the middle of each window, its derivatives over j! */
-    double *upper; /* pairs of windows x LANES: what is gained in them at most */
-    double *data; /* N x K x BATCH_TERMS: n_k of one texel over each window */
-    struct batch_outcome two[BATCH_TILE];
     struct batch_scan scan;
     struct batch_outcome outcome[BATCH_TILE];
 };
@@ -165,7 +150,6 @@ void brdffit_batch_gram(const struct batch_fast *fast, const double *const phi[E
 
 /* Fill window w, whose center and radius are set: polynomials, and how it is screened. 0: it has no use. */
 int brdffit_batch_window(struct batch_fast *fast, size_t w);
-void brdffit_batch_pairs(struct batch_fast *fast);
 void brdffit_batch_screen(const struct batch_fast *fast, struct batch_window *window, size_t w);
 
 struct batch_kernels {
@@ -175,9 +159,6 @@ struct batch_kernels {
     /* Fit the texels whose weighted values, scales and `live` flags are given; outcome, x and y are the answer. */
     void (*tile)(const struct batch_fast *fast, const struct batch_rules *rules, struct batch_tile *tile,
                  const unsigned char *live);
-    /* The same with two lobes, after that: tile->two, x and y are the answer. */
-    void (*two)(const struct batch_fast *fast, const struct batch_rules *rules, struct batch_tile *tile,
-                const unsigned char *live);
 };
 
 extern const struct batch_kernels brdffit_batch_kernels_base;

@@ -344,7 +344,7 @@ static void evaluate(const struct batch_fast *f, struct batch_tile *tile, const 
 
     shapes_at(f, tile, s);
     for (part = 0; part < LANES; part += VEC) {
-        if (f->each > 1) {
+        if (EACH_MOST > 1 && f->each > 1) {
             evaluate_part(f, tile, part, 2, x, y, objective);
         } else {
             evaluate_part(f, tile, part, 1, x, y, objective);

@@ -224,7 +224,7 @@ static unsigned bound_pieces(struct bound_texel *b, const struct pieces *pieces)
     size_t l, part;
 
     for (part = 0; part < LANES; part += VEC) {
-        if (b->fast->each > 1) {
+        if (EACH_MOST > 1 && b->fast->each > 1) {
             if (b->more) {
                 bound_part(b, pieces, part, 1, 2, &out);
             } else {

@@ -113,7 +113,7 @@ static void sum_texels(const struct batch_fast *f, struct batch_tile *tile)
 
     for (part = 0; part < LANES; part += VEC) {
         for (k = 0; k < f->channels; k++) {
-            if (f->each > 1) {
+            if (EACH_MOST > 1 && f->each > 1) {
                 sum_channel(f, tile, k, part, 2);
             } else {
                 sum_channel(f, tile, k, part, 1);
@@ -200,7 +200,7 @@ LANES_INLINE void node_gains_of(const struct batch_fast *f, struct batch_tile *t
 
 static void node_gains(const struct batch_fast *f, struct batch_tile *tile)
 {
-    if (f->each > 1) {
+    if (EACH_MOST > 1 && f->each > 1) {
         node_gains_of(f, tile, 2);
     } else {
         node_gains_of(f, tile, 1);

@@ -178,7 +178,7 @@ static double off_chord(const double *shape, double t)
 static void off_gram(const struct looking *l, size_t w, double t, matrix out)
 {
     const struct batch_fast *f = l->fast;
-    double along[EACH_MOST] = {0.0, 0.0};
+    double along[EACH_MOST] = {0.0};
     size_t m;
     int i, j;
 

@@ -119,8 +119,6 @@ static int charge_domain(struct batch_fast *f, struct reduced *r, const struct m
         f->doubt += k->body;
         f->doubt_tail += k->tail;
     }
-    f->doubt_two = r->table[0].charge.diffuse + 2.0 * f->doubt;
-    f->doubt_tail_two = r->table[0].charge.diffuse + 2.0 * larger(f->doubt, f->doubt_tail);
     f->doubt += r->table[0].charge.diffuse;
     f->doubt_tail += r->table[0].charge.diffuse;
     return f->doubt <= MOST_DOUBT;
@@ -235,10 +233,6 @@ static int fill_tables(struct batch_fast *f, double low, double high)
             return 0;
         }
         brdffit_batch_screen(f, &f->window[w], w);
-    }
-    if (f->pair) {
-        f->column[1] = f->column[0]; /* of the second lobe */
-        brdffit_batch_pairs(f);
     }
     return 1;
 }

@@ -71,13 +71,6 @@ static double unit_of(const brdffit_plan *plan, const struct batch_tile *tile, s
     return plan->fast.scale_w * (value * value);
 }
 
-/* Lobes of a result, which column is the first of each, and what each column's coefficient is divided by. */
-struct published_lobes {
-    int count, first[2];
-    struct wide factor[EACH_MOST];
-    double sharpest; /* largest s */
-};
-
 /* The verdict on a lane (verdict.h): what its kernel proved is certified by its final numbers, or not at all. */
 static int judge(const brdffit_plan *plan, const struct batch_outcome *out, double unit, struct batch_result *r)
 {
@@ -95,87 +88,63 @@ static int judge(const brdffit_plan *plan, const struct batch_outcome *out, doub
     return verdict.certified;
 }
 
-/* Column c's coefficient of channel k in the data's units, as far as a double holds it; 0 where it is no ordinary number. */
-static int coefficient(const struct batch_fast *f, const struct batch_tile *tile, size_t lane, size_t k, int c,
-                       struct wide factor, size_t columns, double *z)
+/* Column j's coefficient of channel k in the data's units, as far as a double holds it. */
+static double coefficient(const struct batch_fast *f, const struct batch_tile *tile, size_t lane, size_t k, int j,
+                          struct wide factor)
 {
-    double y = tile->y[(k * columns + (size_t)c) * LANES + lane];
+    double y = tile->y[(k * (size_t)f->each + (size_t)j) * LANES + lane] * tile->scale[k * LANES + lane];
 
-    *z = wide_value(wide_over(wide_of(y * tile->scale[k * LANES + lane] / f->column[c].scale_b), factor));
-    return isnormal(*z) || y == 0.0;
+    return wide_value(wide_over(wide_of(y / f->column[j].scale_b), factor));
 }
 
-/* y of every lobe of a channel, the p-th from column first[p], and F0; 0 where they are no ordinary numbers. */
-static int keep_lobes(const struct batch_fast *f, const struct batch_tile *tile, size_t lane, size_t k,
-                      const struct published_lobes *lobes, struct batch_result *r)
+/* y and F0 of a channel; 0 where they are no ordinary numbers. */
+static int keep_lobe(const struct batch_fast *f, const struct batch_tile *tile, size_t lane, size_t k,
+                     const struct wide factor[EACH_MOST], struct batch_result *r)
 {
-    size_t P = (size_t)lobes->count, columns = P * (size_t)f->each, p;
-    double z[EACH_MOST] = {0.0, 0.0};
+    double z[EACH_MOST] = {0.0};
     int j, ordinary = 1;
 
-    for (p = 0; p < P; p++) {
-        for (j = 0; j < f->each; j++) {
-            int c = lobes->first[p] + j;
-
-            ordinary = coefficient(f, tile, lane, k, c, lobes->factor[c], columns, &z[j]) && ordinary;
-        }
-        r->y[k * P + p] = z[0] + z[1];
-        if (r->f0) {
-            r->f0[k * P + p] = r->y[k * P + p] > 0.0 ? fmin(1.0, z[0] / r->y[k * P + p]) : 0.0;
-        }
-        ordinary = ordinary && isfinite(r->y[k * P + p]);
+    for (j = 0; j < f->each; j++) {
+        z[j] = coefficient(f, tile, lane, k, j, factor[j]);
+        ordinary = ordinary && (isnormal(z[j]) || tile->y[(k * (size_t)f->each + (size_t)j) * LANES + lane] == 0.0);
     }
-    return ordinary;
-}
-
-/* Lobes of a lane in the order of a result, sigma ascending, and what their columns' coefficients are divided by. */
-static struct published_lobes lobes_of(const brdffit_plan *plan, const struct batch_outcome *out,
-                                       struct batch_result *r)
-{
-    const struct batch_fast *f = &plan->fast;
-    struct published_lobes lobes = {.count = plan->options.lobes};
-    const double s[2] = {out->s, out->other};
-    int p, j;
-
-    for (p = 0; p < lobes.count; p++) {
-        int column = lobes.count > 1 && s[1] > s[0] ? 1 - p : p;
-
-        lobes.first[p] = column; /* several lobes have one column each */
-        r->sigma[p] = sigma_of(plan, s[column]);
-        for (j = 0; j < f->each; j++) {
-            lobes.factor[column + j] = brdffit_lobe_divisor(f->kind, twofold_inverse_square(r->sigma[p]),
-                                                            &f->column[column + j].sight);
-        }
+    r->y[k] = z[0] + z[1];
+    if (r->f0) {
+        r->f0[k] = r->y[k] > 0.0 ? fmin(1.0, z[0] / r->y[k]) : 0.0;
     }
-    lobes.sharpest = lobes.count > 1 ? fmax(s[0], s[1]) : s[0];
-    return lobes;
+    return ordinary && isfinite(r->y[k]);
 }
 
 /*
  * A certified lane to a result; 0 where a fit's own rules (domain.c, published.c) decide which coefficients there are: near
  * the end of finite ones, and where one is no ordinary number.
  */
-static int keep(const brdffit_plan *plan, const struct batch_tile *tile, const struct batch_outcome *out, size_t lane,
-                struct batch_result *r)
+static int keep(const brdffit_plan *plan, const struct batch_tile *tile, size_t lane, struct batch_result *r)
 {
     const struct batch_fast *f = &plan->fast;
-    const struct published_lobes lobes = lobes_of(plan, out, r);
-    int none = plan->options.normalise == BRDFFIT_NORMALISE_NONE, last = f->each - 1;
+    const struct batch_outcome *out = &tile->outcome[lane];
+    int none = plan->options.normalise == BRDFFIT_NORMALISE_NONE;
+    struct wide factor[EACH_MOST];
     double unit = unit_of(plan, tile, lane);
     size_t k;
-    int finite = f->kind->exponent(f->column[last].sight.c_min, lobes.sharpest) <= LIMIT_PLAIN_EXPONENT &&
+    int j, last = f->each - 1;
+    int finite = f->kind->exponent(f->column[last].sight.c_min, out->s) <= LIMIT_PLAIN_EXPONENT &&
                  judge(plan, out, unit, r);
 
     r->where = BRDFFIT_NONE;
     r->boxes = out->boxes;
     r->nodes = out->nodes;
     r->general = r->one_lobe_enough = 0;
+    r->sigma[0] = sigma_of(plan, out->s);
+    for (j = 0; j < f->each; j++) {
+        factor[j] = brdffit_lobe_divisor(f->kind, twofold_inverse_square(r->sigma[0]), &f->column[j].sight);
+    }
     for (k = 0; k < f->channels && finite; k++) {
         double scale = tile->scale[k * LANES + lane];
 
         r->x[k] = f->root_a > 0.0 ? tile->x[k * LANES + lane] / f->root_a * scale / f->scale_a : 0.0;
         r->channel_scale[k] = none ? 1.0 : scale;
-        finite = (isnormal(r->x[k]) || r->x[k] == 0.0) && keep_lobes(f, tile, lane, k, &lobes, r);
+        finite = (isnormal(r->x[k]) || r->x[k] == 0.0) && keep_lobe(f, tile, lane, k, factor, r);
     }
     return finite;
 }
@@ -183,7 +152,7 @@ static int keep(const brdffit_plan *plan, const struct batch_tile *tile, const s
 /* Every used value is zero. */
 static void keep_nothing(const brdffit_plan *plan, struct batch_result *r)
 {
-    size_t k, P = (size_t)plan->options.lobes;
+    size_t k;
 
     r->status = BRDFFIT_TEXEL_NO_SIGNAL;
     r->stop = BRDFFIT_STOP_RELATIVE_GAP;
@@ -192,18 +161,13 @@ static void keep_nothing(const brdffit_plan *plan, struct batch_result *r)
     r->general = r->one_lobe_enough = 0;
     r->e2 = r->lower_bound = r->sum_of_squares = 0.0;
     r->sigma_floor = plan->fast.sigma_floor;
-    for (k = 0; k < P; k++) {
-        r->sigma[k] = sigma_of(plan, plan->fast.s_low);
-    }
-    for (k = 0; k < plan->fast.channels * P; k++) {
-        r->y[k] = 0.0;
+    r->sigma[0] = sigma_of(plan, plan->fast.s_low);
+    for (k = 0; k < plan->fast.channels; k++) {
+        r->x[k] = r->y[k] = 0.0;
+        r->channel_scale[k] = 1.0;
         if (r->f0) {
             r->f0[k] = 0.0;
         }
-    }
-    for (k = 0; k < plan->fast.channels; k++) {
-        r->x[k] = 0.0;
-        r->channel_scale[k] = 1.0;
     }
 }
 
@@ -243,19 +207,15 @@ static void fit_lanes(struct batch *batch)
     if (any) {
         plan->kernels->tile(&plan->fast, &rules, tile, live);
     }
-    for (l = 0; l < BATCH_TILE; l++) {
-        tile->two[l].certified = 0;
-    }
-    if (any && plan->fast.pair) {
-        plan->kernels->two(&plan->fast, &rules, tile, live);
-    }
 }
 
-/* Whether the bound of two lobes leaves room for a second lobe to be of use. */
-static void judge_second(const struct batch *batch, size_t l, struct batch_result *r)
+/* Two lobes: the ordinary fit, and whether its bound leaves room for a second lobe to be of use. */
+static void fit_two(struct batch *batch, size_t l)
 {
     const brdffit_plan *plan = batch->plan;
+    struct batch_result *r = &batch->result[l];
 
+    brdffit_batch_general(plan, batch, batch->row[l], r);
     if (plan->kernels && batch->tile.outcome[l].certified && r->status <= BRDFFIT_TEXEL_OPEN) {
         double one = (batch->tile.outcome[l].e2 + batch->tile.outcome[l].error) * unit_of(plan, &batch->tile, l);
 
@@ -267,8 +227,6 @@ static void judge_second(const struct batch *batch, size_t l, struct batch_resul
 void brdffit_batch_tile(struct batch *batch)
 {
     const brdffit_plan *plan = batch->plan;
-    const struct batch_outcome *outcome = plan->options.lobes > 1 ? batch->tile.two : batch->tile.outcome;
-    int in_lanes = plan->kernels && (plan->options.lobes == 1 || plan->fast.pair);
     size_t l;
 
     if (plan->kernels) {
@@ -277,13 +235,14 @@ void brdffit_batch_tile(struct batch *batch)
     for (l = 0; l < batch->filled; l++) {
         struct batch_result *r = &batch->result[l];
 
-        if (in_lanes && no_signal(&batch->tile, plan->fast.channels, l)) {
-            keep_nothing(plan, r);
-        } else if (!(in_lanes && outcome[l].certified && keep(plan, &batch->tile, &outcome[l], l, r))) {
-            brdffit_batch_general(plan, batch, batch->row[l], r);
-        }
         if (plan->options.lobes > 1) {
-            judge_second(batch, l, r);
+            fit_two(batch, l);
+        } else if (plan->kernels && batch->tile.outcome[l].certified && keep(plan, &batch->tile, l, r)) {
+            continue;
+        } else if (plan->kernels && no_signal(&batch->tile, plan->fast.channels, l)) {
+            keep_nothing(plan, r);
+        } else {
+            brdffit_batch_general(plan, batch, batch->row[l], r);
         }
     }
 }
