@@ -142,6 +142,9 @@ size_t brdffit_cli_processors(void);
 int brdffit_cli_map_write(struct cli_map *map, const char *target, struct cli_map_counts *counts);
 void brdffit_cli_map_add(struct cli_map_counts *sum, const struct cli_map_counts *counts);
 
+/* Write out/map.json of the work folder: nothing in it depends on threads, tiles or time. An exit code. */
+int brdffit_cli_map_describe(const struct cli_map *map, const struct cli_map_counts *total);
+
 /* map_report.c: in words on standard output, and the exit code. `threads` 0:
  * nothing was fitted, the maps were only put together. */
 void brdffit_cli_map_report(const struct cli_map *map, const char *target, const struct cli_map_counts *counts,
