@@ -17,7 +17,7 @@
 #include "base/vector.h"
 
 /* Sizes to count with, whatever the processor. */
-#define HANDOUT_BYTES 1024u
+#define HANDOUT_BYTES 1152u
 #define NODE_BYTES 104u
 #define INTERVAL_BYTES 96u
 #define BESIDE_BYTES 32u
