@@ -80,7 +80,9 @@ static int is_high_mark(const struct extremes *e)
     if (!(e->next_least <= e->next_most) || !(e->next_most > 0.0)) {
         return 0;
     }
-    return e->most >= 1e29 || (e->most >= 99.0 && e->most >= FAR * e->next_most && is_round_mark(e->most));
+    /* What files are filled with: 1e30, 1e36, the largest float and the largest double; other large values are data. */
+    return (e->most >= 1e29 && e->most <= 3.5e38) || e->most >= 1.7e308 ||
+           (e->most >= 99.0 && e->most >= FAR * e->next_most && is_round_mark(e->most));
 }
 
 /* The column of channel k. */
