@@ -622,11 +622,8 @@ BRDFFIT_API brdffit_status brdffit_f0_interval(const brdffit_samples *samples, c
                                                brdffit_error *error);
 
 /* Bits of brdffit_quality(): the model does not describe these data. */
-#define BRDFFIT_MISFIT_POOR                                                                                            \
-    1u /* in some channel R^2 is below 0.5 and residuals are above 0.1 of the data (norms L2, LINF) */
-#define BRDFFIT_MISFIT_PATTERNED                                                                                       \
-    2u /* residuals above 0.02 of the data, and the neighbours of a sample foretell more than
-                                       0.77 of their squares: they are no noise. Of 20 samples or more */
+#define BRDFFIT_MISFIT_POOR 1u /* a channel has R^2 < 0.5, residuals > 0.1 of the data (L2, LINF) */
+#define BRDFFIT_MISFIT_PATTERNED 2u /* residuals > 0.02, neighbours foretell > 0.77 of their squares */
 
 /*
  * How good a fit is. fitted: N x K, what brdffit_eval() makes of these samples, in their quantity; options: those of the fit

@@ -376,7 +376,7 @@ def fit(samples: SamplesLike, *, lobes: int | Sequence[str] | None = None, distr
         socp_every_box: bool = False, isa: str = "auto", weight: str | None = None,
         verify: float | None = None, progress: ProgressArgument = None, fresnel: str | None = None,
         diffuse: str | None = None, masking: str | None = None, model: str | None = None, physical: bool = False,
-        anisotropic: bool = False, anisotropy: float | None = None, tangent_angle: float = 0.0) -> Fit:
+        anisotropic: bool = False, anisotropy: float | None = None, tangent_angle: float = 0.0, memory: int = 0) -> Fit:
     """Fit a model to samples (or to a file of them) and prove how close to the best it is.
 
     Options are explained at `Options`; those that are None are the model's, or else as there.
@@ -396,7 +396,7 @@ def fit(samples: SamplesLike, *, lobes: int | Sequence[str] | None = None, distr
     options = Options(norm=norm, engine=engine, normalise=normalise, sigma_range=sigma_range, exponent_range=exponent_range,
                       relative_gap=relative_gap, absolute_gap=absolute_gap, sigma_resolution=sigma_resolution,
                       box_budget=box_budget, socp_every_box=socp_every_box, isa=isa, physical=physical,
-                      anisotropic=anisotropic, anisotropy=anisotropy, tangent_angle=tangent_angle, **form)
+                      anisotropic=anisotropic, anisotropy=anisotropy, tangent_angle=tangent_angle, memory=memory, **form)
     began = time.perf_counter()
     data = samples if isinstance(samples, Samples) else _read(samples, model)
     read = {} if data is samples else {"read": time.perf_counter() - began}

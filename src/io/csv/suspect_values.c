@@ -81,8 +81,8 @@ static int is_high_mark(const struct extremes *e)
         return 0;
     }
     /* What files are filled with: 1e30, 1e36, the largest float and the largest double; other large values are data. */
-    return (e->most >= 1e29 && e->most <= 3.5e38) || e->most >= 1.7e308 ||
-           (e->most >= 99.0 && e->most >= FAR * e->next_most && is_round_mark(e->most));
+    return e->most >= FAR * e->next_most && ((e->most >= 1e29 && e->most <= 3.5e38) || e->most >= 1.7e308 ||
+                                             (e->most >= 99.0 && is_round_mark(e->most)));
 }
 
 /* The column of channel k. */
