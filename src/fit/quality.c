@@ -30,7 +30,7 @@
 /* Channels that are added up in one pass over the samples. */
 #define BLOCK ((size_t)16)
 
-struct place {
+struct spot {
     size_t sample;
     double x, y, z; /* of a unit cube twice as wide */
     double factor;  /* value to radiance */
@@ -151,7 +151,7 @@ static double largest_weight(const brdffit_samples *s)
 /* ---- Neighbours ---------------------------------------------------------- */
 
 /* cos of the azimuth between light and viewer from l.v = n.l n.v + sin sin cos. */
-static void place_sample(const struct judge *j, const struct geometry *g, size_t i, struct place *p)
+static void place_sample(const struct judge *j, const struct geometry *g, size_t i, struct spot *p)
 {
     const double cl = g->angles.cos_light, cv = g->angles.cos_view, d = g->angles.cos_difference;
     const double sl = sqrt(fmax(0.0, 1.0 - cl * cl)), sv = sqrt(fmax(0.0, 1.0 - cv * cv));
@@ -165,7 +165,7 @@ static void place_sample(const struct judge *j, const struct geometry *g, size_t
     p->z = sv * sqrt(1.0 - cosine * cosine);
 }
 
-static size_t take_places(const struct judge *j, struct place *places)
+static size_t take_places(const struct judge *j, struct spot *places)
 {
     const size_t step = (j->used + LOOKED_AT - 1) / LOOKED_AT;
     struct geometry g;
@@ -180,7 +180,7 @@ static size_t take_places(const struct judge *j, struct place *places)
 }
 
 /* Put q among the nearest of p, nearest first; ties go to the earlier sample. */
-static void offer(struct place *p, double distance2[NEIGHBOURS], size_t q, double d2)
+static void offer(struct spot *p, double distance2[NEIGHBOURS], size_t q, double d2)
 {
     int at = NEIGHBOURS;
 
@@ -197,9 +197,9 @@ static void offer(struct place *p, double distance2[NEIGHBOURS], size_t q, doubl
     }
 }
 
-static void find_neighbours(struct place *places, size_t count, size_t at)
+static void find_neighbours(struct spot *places, size_t count, size_t at)
 {
-    struct place *p = &places[at];
+    struct spot *p = &places[at];
     double distance2[NEIGHBOURS] = {INFINITY, INFINITY, INFINITY, INFINITY}, sum = 0.0;
     size_t q;
     int n;
@@ -221,14 +221,14 @@ static void find_neighbours(struct place *places, size_t count, size_t at)
 }
 
 /* Of channel k at a place, in units of `largest`. */
-static double residual_at(const struct judge *j, const struct place *p, size_t k, double largest)
+static double residual_at(const struct judge *j, const struct spot *p, size_t k, double largest)
 {
     const size_t at = p->sample * j->samples->channels + k;
 
     return (j->samples->values[at] / largest - j->fitted[at] / largest) * p->factor;
 }
 
-static void foretell(struct judge *j, const struct place *places, size_t count, size_t k, double largest)
+static void foretell(struct judge *j, const struct spot *places, size_t count, size_t k, double largest)
 {
     size_t i;
     int n;
@@ -246,7 +246,7 @@ static void foretell(struct judge *j, const struct place *places, size_t count, 
 }
 
 /* The places and their neighbours; 0 where there are too few. */
-static size_t look_around(const struct judge *j, struct place *places)
+static size_t look_around(const struct judge *j, struct spot *places)
 {
     const int any = j->samples->form != BRDFFIT_FORM_COEFFICIENTS && j->used > NEIGHBOURS;
     const size_t count = any ? take_places(j, places) : 0;
@@ -287,7 +287,7 @@ brdffit_status brdffit_quality_run(const brdffit_samples *samples, const brdffit
                       0,
                       0.0,
                       0.0};
-    struct place places[LOOKED_AT];
+    struct spot places[LOOKED_AT];
     size_t used, count = 0, i, k;
     brdffit_status status = brdffit_inspect_run(samples, options, &used, NULL, 0, error);
 
