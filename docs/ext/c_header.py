@@ -40,7 +40,7 @@ def _bare(text):
 def _complete(block):
     text = "\n".join(block)
     if text.startswith("#"):
-        return text.count("/*") == text.count("*/")
+        return text.count("/*") == text.count("*/") and not text.rstrip().endswith("\\")
     bare = _bare(text).rstrip()
     return bare.endswith(";") and bare.count("{") == bare.count("}") and text.count("/*") == text.count("*/")
 

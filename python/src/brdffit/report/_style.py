@@ -40,7 +40,7 @@ svg .grid{display:inline;stroke:var(--line);stroke-width:.6;fill:none}
 .c3{stroke:var(--c3);color:var(--c3)}.bound{stroke:var(--bound);color:var(--bound)}.exact{stroke:var(--ink);color:var(--ink)}.dash{stroke-dasharray:4 3}
 .key.near{color:#d4a72c}.key.square::before{border-radius:0}
 .best{stroke:var(--c0);stroke-opacity:1}.near{fill:var(--near)}.ground{fill:var(--card);fill-opacity:.85}.boxes{fill:none;stroke:#fff;stroke-opacity:.45;stroke-width:.35}
-@media (max-width:480px){table{font-size:.73rem}th,td{padding-right:4px}th:last-child,td:last-child{padding-right:0}table.index .less{display:none}
+@media (max-width:480px){table{font-size:.69rem}th,td{padding-right:3px}th:last-child,td:last-child{padding-right:0}table.index .less{display:none}
 table.index .each span{display:block}}
 @page{margin:14mm}
 @media print{:root{color-scheme:light;--bg:#fff;--ink:#000;--soft:#444;--line:#ccc;--card:#fff;--ok:#1a7f37;--bad:#9a6700;--c0:#c62828;
