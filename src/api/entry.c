@@ -107,6 +107,15 @@ brdffit_status brdffit_eval(const brdffit_model *model, const brdffit_samples *a
     return status;
 }
 
+/* The same, and the model of their fit. */
+static brdffit_status take_fit(struct given *given, brdffit_model *known, const brdffit_samples *samples,
+                               const brdffit_options *options, const brdffit_model *model, brdffit_error *error)
+{
+    brdffit_status status = take(given, samples, options, error);
+
+    return status == BRDFFIT_OK ? brdffit_intake_model(model, known, error) : status;
+}
+
 brdffit_status brdffit_f0_interval(const brdffit_samples *samples, const brdffit_options *options,
                                    const brdffit_model *model, double *low, double *high, brdffit_error *error)
 {
@@ -116,10 +125,7 @@ brdffit_status brdffit_f0_interval(const brdffit_samples *samples, const brdffit
     brdffit_status status;
 
     brdffit_environment_enter(&callers);
-    status = take(&given, samples, options, error);
-    if (status == BRDFFIT_OK) {
-        status = brdffit_intake_model(model, &known, error);
-    }
+    status = take_fit(&given, &known, samples, options, model, error);
     if (status == BRDFFIT_OK) {
         status = brdffit_f0_interval_run(&given.samples, &given.options, &known, low, high, error);
     }
@@ -153,10 +159,7 @@ brdffit_status brdffit_azimuth_share(const brdffit_samples *samples, const brdff
     brdffit_status status;
 
     brdffit_environment_enter(&callers);
-    status = take(&given, samples, options, error);
-    if (status == BRDFFIT_OK) {
-        status = brdffit_intake_model(model, &known, error);
-    }
+    status = take_fit(&given, &known, samples, options, model, error);
     if (status == BRDFFIT_OK) {
         status = brdffit_azimuth_share_run(&given.samples, &given.options, &known, channel_scale, share, error);
     }

@@ -33,6 +33,11 @@ static inline double vector_largest(const double *v, size_t n)
     return largest;
 }
 
+static inline double dot3(const double *u, const double *v)
+{
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+}
+
 /* Power of two p with x / p in [1/2, 1); both p and 1 / p are normal numbers. 1 for x = 0. */
 static inline double power_of_two(double x)
 {

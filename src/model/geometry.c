@@ -66,8 +66,7 @@ double brdffit_geometry_min_cosine(double max_incidence)
     return cosine - TOL_INCIDENCE;
 }
 
-/* Unit vector, scaled first so that any finite non-zero length works. 0 on failure. */
-static int unit_vector(const double *v, double out[3])
+int brdffit_geometry_unit(const double *v, double out[3])
 {
     double largest = larger(fabs(v[0]), larger(fabs(v[1]), fabs(v[2])));
     double x, y, z, length;
@@ -93,11 +92,6 @@ static int unit_vector(const double *v, double out[3])
     out[1] = y / length;
     out[2] = z / length;
     return 1;
-}
-
-static double dot3(const double *u, const double *v)
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
 static brdffit_status vector_error(brdffit_error *error, const double *v, const char *message, size_t i)
@@ -182,13 +176,13 @@ static brdffit_status angles_of_directions(const brdffit_samples *s, size_t i, i
 {
     double l[3], v[3], n[3];
 
-    if (!unit_vector(s->light + 3 * i, l)) {
+    if (!brdffit_geometry_unit(s->light + 3 * i, l)) {
         return vector_error(error, s->light + 3 * i, "light direction is not finite or has no length", i);
     }
-    if (!unit_vector(s->view + 3 * i, v)) {
+    if (!brdffit_geometry_unit(s->view + 3 * i, v)) {
         return vector_error(error, s->view + 3 * i, "view direction is not finite or has no length", i);
     }
-    if (s->normal && !unit_vector(s->normal + 3 * i, n)) {
+    if (s->normal && !brdffit_geometry_unit(s->normal + 3 * i, n)) {
         return vector_error(error, s->normal + 3 * i, "normal is not finite or has no length", i);
     }
     angles_of_units(l, v, s->normal ? n : NULL, out);

@@ -52,6 +52,9 @@ brdffit_skip brdffit_geometry_sample(const brdffit_samples *samples, brdffit_dis
                                      double min_cosine, size_t i, struct geometry *out, brdffit_status *status,
                                      brdffit_error *error);
 
+/* Unit vector, scaled first so that any finite non-zero length works. 0 on failure. */
+int brdffit_geometry_unit(const double *v, double out[3]);
+
 /* Cosine to compare n.l with, from degrees; 0 switches the test off. */
 double brdffit_geometry_min_cosine(double max_incidence);
 

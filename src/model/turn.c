@@ -9,63 +9,17 @@
 
 #include <math.h>
 
-#include "base/constants.h"
+#include "base/degrees.h"
 #include "base/tolerance.h"
 #include "base/vector.h"
 #include "model/lobe.h"
 
-/* x - x^3 / 3! + ..., or 1 - x^2 / 2! + ..., of |x| <= pi / 4: to the last bit or two, the same on every platform. */
-static double series(double x, int first)
-{
-    double sum = 0.0;
-    int k;
-
-    for (k = first + 18; k > first; k -= 2) {
-        sum = (1.0 - sum) * (x * x) / (double)(k * (k - 1));
-    }
-    return (1.0 - sum) * (first ? x : 1.0);
-}
-
-/* Multiples of 90 degrees are exact. */
 struct stretch brdffit_stretch_of(double anisotropy, double tangent_angle)
 {
-    double quarter = floor(tangent_angle / 90.0 + 0.5), x = (tangent_angle - 90.0 * quarter) * (PI / 180.0);
-    double cosine = series(x, 0), sine = series(x, 1);
-    struct stretch out = {1.0 / anisotropy, cosine, sine};
-    int turns = (int)quarter & 3;
+    struct stretch out = {1.0 / anisotropy, 1.0, 0.0};
 
-    if (turns & 1) {
-        out.cosine = -sine;
-        out.sine = cosine;
-    }
-    if (turns & 2) {
-        out.cosine = -out.cosine;
-        out.sine = -out.sine;
-    }
+    degrees_sincos(tangent_angle, &out.sine, &out.cosine);
     return out;
-}
-
-static int unit(const double *v, double out[3])
-{
-    double largest = vector_largest(v, 3), length;
-    int j;
-
-    if (!(largest > 0.0 && isfinite(largest))) {
-        return 0;
-    }
-    for (j = 0; j < 3; j++) {
-        out[j] = v[j] / largest;
-    }
-    length = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2]);
-    for (j = 0; j < 3; j++) {
-        out[j] /= length;
-    }
-    return 1;
-}
-
-static double dot3(const double *u, const double *v)
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
 static void cross3(const double *u, const double *v, double *out)
@@ -84,7 +38,7 @@ static int components(const brdffit_samples *s, size_t i, const double h[3], dou
 {
     double n[3] = {0.0, 0.0, 1.0}, t[3] = {1.0, 0.0, 0.0}, b[3], length, product[3];
 
-    if (s->normal && !unit(s->normal + 3 * i, n)) {
+    if (s->normal && !brdffit_geometry_unit(s->normal + 3 * i, n)) {
         return 0;
     }
     if (!s->tangent) {
@@ -92,7 +46,7 @@ static int components(const brdffit_samples *s, size_t i, const double h[3], dou
         out[1] = h[1];
         return n[0] == 0.0 && n[1] == 0.0 && n[2] > 0.0;
     }
-    if (!unit(s->tangent + 3 * i, t)) {
+    if (!brdffit_geometry_unit(s->tangent + 3 * i, t)) {
         return 0;
     }
     cross3(n, t, b);
@@ -111,7 +65,8 @@ int brdffit_turn_of(const brdffit_samples *s, size_t i, double turn[2])
     double l[3], v[3], h[3], length;
     int j;
 
-    if (s->form != BRDFFIT_FORM_DIRECTIONS || !unit(s->light + 3 * i, l) || !unit(s->view + 3 * i, v)) {
+    if (s->form != BRDFFIT_FORM_DIRECTIONS || !brdffit_geometry_unit(s->light + 3 * i, l) ||
+        !brdffit_geometry_unit(s->view + 3 * i, v)) {
         return 0;
     }
     for (j = 0; j < 3; j++) {
